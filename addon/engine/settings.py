@@ -104,6 +104,7 @@ def render_config(
         region_px=window.region_px,
         film_transparent=scene.render.film_transparent,
         passes=wanted_planes(view_layer),
+        pass_alpha_threshold=view_layer.pass_alpha_threshold,
         keeps_light_groups=bool(view_layer.lightgroups),
         shafts=shaft_config(scene),
         transfer_functions=functions,

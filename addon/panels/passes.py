@@ -47,6 +47,7 @@ class TYNDALL_PT_passes(PropertiesPanel, Panel):
         column = layout.column(heading="Indexes", align=True)
         column.prop(view_layer, "use_pass_object_index")
         column.prop(view_layer, "use_pass_material_index")
+        layout.column().prop(view_layer, "pass_alpha_threshold")
         for kind, passes in groupby(LIGHT_PASSES, lambda each: each.kind):
             column = layout.column(heading=kind, align=True)
             for each in passes:

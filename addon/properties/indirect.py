@@ -20,7 +20,7 @@ class TyndallIndirectSettings(PropertyGroup):
     ambient_distance_m: FloatProperty(
         name="Distance",
         description="What stands farther away than this hides nothing of the world, nor in the pass Ambient Occlusion, "
-        "which without the option above looks as far as the world says (Light Paths in Cycles' panels). 0: any distance",
+        "which without the option above looks as far as the world says (as in Cycles). 0: any distance",
         min=0.0,
         max=1e9,
         soft_max=100.0,

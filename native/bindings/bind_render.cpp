@@ -133,10 +133,10 @@ make_data(const std::vector<std::string>& passes, std::uint32_t matte_ranks,
 static render::FrameConfig
 make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px, float noise_threshold,
             const std::optional<std::array<std::uint32_t, 4>>& region_px, float voxel_detail_px, bool film_transparent,
-            const std::vector<std::string>& passes, render::DataPassConfig data, std::vector<std::string> light_groups,
-            const light_shafts::Config& shafts, std::vector<transfer_functions::WeightedFunction> functions,
-            std::optional<std::uint32_t> reference_light, std::optional<Heterogeneity> heterogeneity,
-            const render::IndirectConfig& indirect,
+            const std::vector<std::string>& passes, float pass_alpha_threshold, render::DataPassConfig data,
+            std::vector<std::string> light_groups, const light_shafts::Config& shafts,
+            std::vector<transfer_functions::WeightedFunction> functions, std::optional<std::uint32_t> reference_light,
+            std::optional<Heterogeneity> heterogeneity, const render::IndirectConfig& indirect,
             const std::optional<std::shared_ptr<render::KeptSurfaces>>& kept_surfaces,
             const std::shared_ptr<render::KeptLightTrees>& kept_light_trees, bool adapts_shadow_rays,
             bool lights_take_turns, bool keeps_unstyled, std::uint32_t seed, int thread_count, bool is_tile,
@@ -152,6 +152,7 @@ make_config(std::uint32_t pixel_samples, int pixel_filter, float filter_width_px
                                .voxel_detail_px = voxel_detail_px,
                                .is_film_transparent = film_transparent,
                                .passes = {},
+                               .pass_alpha_threshold = pass_alpha_threshold,
                                .data = std::move(data),
                                .light_groups = std::move(light_groups),
                                .shafts = shafts,
@@ -274,8 +275,8 @@ void bind_render(py::module_& native) {
         "32 bits that Cryptomattes know a name by.");
     py::class_<render::FrameConfig>(native, "FrameConfig")
         .def(py::init(&make_config), "pixel_samples"_a, "pixel_filter"_a, "filter_width_px"_a, "noise_threshold"_a,
-             "region_px"_a, "voxel_detail_px"_a, "film_transparent"_a, "passes"_a, "data"_a, "light_groups"_a,
-             "shafts"_a, "transfer_functions"_a, "reference_light"_a, "heterogeneity"_a, "indirect"_a,
+             "region_px"_a, "voxel_detail_px"_a, "film_transparent"_a, "passes"_a, "pass_alpha_threshold"_a, "data"_a,
+             "light_groups"_a, "shafts"_a, "transfer_functions"_a, "reference_light"_a, "heterogeneity"_a, "indirect"_a,
              "kept_surfaces"_a, "kept_light_trees"_a, "adapts_shadow_rays"_a, "lights_take_turns"_a, "keeps_unstyled"_a,
              "seed"_a, "thread_count"_a, "is_tile"_a, "first_sample"_a = 0, "sample_count"_a = 0);
     py::class_<render::UnstyledFilm, std::shared_ptr<render::UnstyledFilm>>(native, "UnstyledFilm");

@@ -40,6 +40,9 @@ struct FrameConfig {
     float voxel_detail_px = 0.0f;
     bool is_film_transparent = false;
     PassSet passes;
+    /// Depth, position, normal, UV, motion and indices are of the first surface that lets no more pass than 1 less this;
+    /// [0, 1], 0: of the first one there is.
+    float pass_alpha_threshold = 0.5f;
     DataPassConfig data = {}; ///< With them, nothing is kept of surfaces; nor with light groups and light by its paths.
     /// Names of the scene's light groups, of which the film holds "Combined_…" apart, and with Pass::Shafts "Shafts_…", too.
     std::vector<std::string> light_groups = {};

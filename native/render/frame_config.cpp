@@ -13,6 +13,7 @@ Region checked_region(const FrameConfig& config, const Camera& camera) {
     require_in(config.noise_threshold, 0.0f, 1.0f, "noise_threshold");
     require_usable(config.indirect);
     require_in(config.voxel_detail_px, 0.0f, 64.0f, "voxel_detail_px");
+    require_in(config.pass_alpha_threshold, 0.0f, 1.0f, "pass_alpha_threshold");
     require(camera.width_px > 0 && camera.height_px > 0, "the camera's frame has no pixels");
     const Region region = config.region.value_or(Region{0, 0, camera.width_px, camera.height_px});
     require(region.x0 < region.x1 && region.y0 < region.y1 && region.x1 <= camera.width_px &&

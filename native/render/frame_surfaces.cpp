@@ -47,6 +47,7 @@ ViewPath FrameSurfaces::view_path(bool collects_parts) const {
              .lights_black_surfaces = config_.passes.has(Pass::Shadow),
              .finds_ambient = config_.passes.has(Pass::AmbientOcclusion),
              .tells_paths = config_.passes.tells_paths(),
+             .pass_alpha_threshold = config_.pass_alpha_threshold,
              .indirect = config_.indirect,
              .voxel_detail_px = has_detail_ ? config_.voxel_detail_px : 0.0f},
             sent_air_ ? &*sent_air_ : nullptr};

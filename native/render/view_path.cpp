@@ -14,7 +14,6 @@
 
 namespace tyndall::render {
 // Blender's default: a surface that covers less does not show in Depth, Normal and Position.
-static constexpr float alpha_threshold = 0.5f;
 
 /// Seeds and targets as walk() has them.
 struct ViewPath::Rays {
@@ -54,14 +53,16 @@ void ViewPath::pass_media(Follower& follower, const Hit& hit, const Ray& camera_
 }
 
 void ViewPath::reach_world(const Follower& follower, bool is_sent_on, PathSample& sample) const {
-    if (config_.is_film_transparent && !is_sent_on) {
+    const bool is_seen_through = config_.is_film_transparent && !is_sent_on;
+    if (is_seen_through)
         sample.alpha -= average(follower.throughput());
+    if (is_seen_through && sample.paths == nullptr)
         return;
-    }
     const Rgb seen = follower.throughput() * scene_.world().seen_radiance(follower.part.direction, follower.kind);
-    sample.add_light(seen, scene_.world().light_group(), follower.of, follower.way_of_shine());
+    if (!is_seen_through)
+        sample.add_light(seen, scene_.world().light_group(), follower.of, follower.way_of_shine());
     if (sample.paths != nullptr && !is_sent_on)
-        sample.paths->environment += seen;
+        sample.paths->environment += seen; // of a transparent film, too, as in Cycles
 }
 
 /// A catcher takes the place of what lies behind it: of the world, if the film shows it, by the share that its shadow leaves.
@@ -84,7 +85,8 @@ void ViewPath::show(Follower& follower, const SurfacePoint& point, const Surface
                          of, follower.way_of_shine());
     if (is_sent_on)
         return;
-    if (!follower.has_first_surface && 1.0f - average(closures.transparent) >= alpha_threshold) {
+    const float threshold = config_.pass_alpha_threshold;
+    if (!follower.has_first_surface && (threshold == 0.0f || 1.0f - average(closures.transparent) >= threshold)) {
         follower.has_first_surface = true;
         sample.depth_m = camera_.depth_m(point.shading.position);
         sample.normal = point.shading.shading_normal;

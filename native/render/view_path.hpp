@@ -31,6 +31,7 @@ struct ViewPathConfig {
     bool lights_black_surfaces = false; ///< The Shadow pass needs light on surfaces that show none.
     bool finds_ambient = false;         ///< The ambient occlusion pass needs a point on all that covers anything.
     bool tells_paths = false;           ///< Samples come with LightPaths.
+    float pass_alpha_threshold = 0.5f;  ///< See FrameConfig.
     IndirectConfig indirect = {};
     float voxel_detail_px = 0.0f; ///< Cubes of voxels no wider are not looked into; 0: every voxel is met.
     bool operator==(const ViewPathConfig&) const = default;

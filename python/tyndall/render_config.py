@@ -131,6 +131,9 @@ class RenderConfig:
     voxel_detail_px: float = 0.5
     film_transparent: bool = False
     passes: frozenset[str] = frozenset()  #: Names in PASSES and DATA_PASSES; Combined is always there.
+    #: Depth, position, normal, UV, motion and indices are of the first surface that lets no more pass than 1 less this;
+    #: [0, 1], 0: of the first one there is.
+    pass_alpha_threshold: float = 0.5
     data: DataConfig = field(default_factory=DataConfig)
     #: For each light group of the scene a plane "Combined_…", and where "Shafts" is asked for "Shafts_…".
     keeps_light_groups: bool = False

@@ -268,6 +268,7 @@ class Session:
             voxel_detail_px=config.voxel_detail_px,
             film_transparent=config.film_transparent,
             passes=sorted(config.passes.difference(DATA_PASSES)),
+            pass_alpha_threshold=config.pass_alpha_threshold,
             data=build_data_passes(
                 config.data,
                 sorted(config.passes.intersection(DATA_PASSES)),

@@ -204,6 +204,32 @@ def test_indices_and_uv_are_those_of_cycles_where_nothing_is_transparent(
     assert (ours["Debug Sample Count"] == 1).all()
 
 
+# Seen to fail: with a threshold of a half, whatever the view layer's.
+@pytest.mark.parametrize("threshold", [0.0, 0.25, 0.35])
+def test_data_are_of_the_first_surface_that_covers_as_much_as_the_threshold(
+    stage: bpy.types.Scene, tmp_path: Path, threshold: float
+) -> None:
+    """As in Cycles; the pane covers 0.3, and a veil nothing, which counts where the threshold is 0.
+
+    Behind what does not count, Cycles finds something in the share of its samples that comes through.
+    """
+    veil = cube("Veil", material("Veil", lambda new, _: node(new, "ShaderNodeBsdfTransparent").outputs[0]))
+    veil.scale, veil.location, veil.pass_index = (0.6, 0.05, 0.6), (-1.5, -2, 1.2), 4
+    layer = stage.view_layers[0]
+    layer.use_pass_z = layer.use_pass_normal = layer.use_pass_object_index = layer.use_pass_position = True
+    layer.pass_alpha_threshold = threshold
+    bpy.data.objects["Pane"].pass_index = 9
+    ours, theirs = (
+        render_passes(stage, tmp_path, engine, 1, is_filtered=False).planes for engine in ("TYNDALL", "CYCLES")
+    )
+    for name in ours:
+        if name.split(".")[0] in {"Depth", "Normal", "Position", "Object Index", "IndexOB"}:
+            differs = (np.abs(ours[name] - theirs[name]) > 1e-3).any(axis=2)
+            assert differs.mean() < 0.01 or threshold > 0.3, name  # centres on an edge
+    index = ours["Object Index" if bpy.app.version >= (5, 0, 0) else "IndexOB"]
+    assert set(np.unique(index)) == {0, 5, 7} | ({9} if threshold < 0.3 else set()) | ({4} if threshold == 0 else set())
+
+
 def test_the_sample_count_tells_where_pixels_stopped(stage: bpy.types.Scene, tmp_path: Path) -> None:
     stage.view_layers[0].tyndall.use_pass_sample_count = True
     render_passes(stage, tmp_path, "TYNDALL", 32)

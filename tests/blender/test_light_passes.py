@@ -136,6 +136,18 @@ def test_direct_light_is_that_of_cycles(stage: bpy.types.Scene, tmp_path: Path) 
     assert_like_cycles(stage, tmp_path, names if IS_OLD else names | {"GlossCol"})
 
 
+# Seen to fail: without the world, which the film does not show.
+def test_the_world_has_its_pass_under_a_transparent_film(stage: bpy.types.Scene, tmp_path: Path) -> None:
+    """As in Cycles: compositors put it behind the picture."""
+    stage.render.film_transparent = True
+    ours, theirs = (pictures(stage, tmp_path, engine, 64) for engine in ("TYNDALL", "CYCLES"))
+    assert ours["Env"].mean() > 0.01
+    assert ours["Env"].mean() == pytest.approx(theirs["Env"].mean(), rel=0.005)
+    assert blocks(ours["Env"]) == pytest.approx(blocks(theirs["Env"]), abs=0.02)
+    surfaces = put_together(ours) - ours["Env"]
+    assert np.abs(surfaces - ours["Combined"]).max() < 1e-5 * ours["Combined"].max()
+
+
 # Seen to fail with what a bounce brings as direct light.
 def test_light_of_a_bounce_is_indirect(stage: bpy.types.Scene, tmp_path: Path) -> None:
     stage.tyndall.indirect.has_bounce = True
