@@ -155,7 +155,7 @@ void DataSums::add_matte(Rank* ranks, float id, float cover) const {
 }
 
 void DataSums::add(std::size_t pixel, const PathData& data) {
-    const bool is_first = sample_counts_[pixel]++ == 0;
+    ++sample_counts_[pixel];
     for (std::size_t kind = 0; kind < matte_kind_count; ++kind)
         if (!mattes_[kind].empty())
             for (const PathData::Layer& layer : data.layers)
@@ -175,14 +175,17 @@ void DataSums::add(std::size_t pixel, const PathData& data) {
         motion_[pixel] += data.motion;
         ++surface_counts_[pixel];
     }
-    if (is_first && !object_index_.empty()) {
+    if (!uv_.empty() && data.has_uv)
+        uv_[pixel] += vec3(data.uv, 1.0f);
+}
+
+void DataSums::set_indices(std::size_t pixel, const PathData& data) {
+    if (!object_index_.empty()) {
         const std::vector<ObjectInfo>& infos = scene_.description().object_infos;
         object_index_[pixel] = infos.empty() ? 0.0f : infos[data.name_index].pass_index;
     }
-    if (is_first && !material_index_.empty())
+    if (!material_index_.empty())
         material_index_[pixel] = material_indices_[data.material_index];
-    if (!uv_.empty() && data.has_uv)
-        uv_[pixel] += vec3(data.uv, 1.0f);
 }
 
 NamedPlane DataSums::matte_plane(std::size_t kind, std::uint32_t plane, const Progress& progress) const {

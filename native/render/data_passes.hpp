@@ -24,7 +24,7 @@ enum class DataPass : std::uint8_t {
     ObjectMattes = 0,   ///< Ranked pairs of an object's id and its share of the pixel, two pairs per plane.
     MaterialMattes = 1, ///< The same of materials.
     AssetMattes = 2,    ///< The same of what objects belong to.
-    ObjectIndex = 3,    ///< Of the first sample, as the next.
+    ObjectIndex = 3,    ///< Of the pixel's centre, as the next.
     MaterialIndex = 4,
     Uv = 5,              ///< u, v, and 1 where there is a UV map; the mean over samples.
     Mist = 6,            ///< 0 near, 1 far.
@@ -35,6 +35,9 @@ enum class DataPass : std::uint8_t {
     Vector = 11, ///< motion_vector(); the mean over samples that show a surface.
 };
 inline constexpr std::size_t data_pass_count = 12, matte_kind_count = 3;
+/// What only a pixel's centre tells: pixel_centres.hpp.
+inline constexpr std::uint32_t index_pass_bits =
+    1u << static_cast<unsigned>(DataPass::ObjectIndex) | 1u << static_cast<unsigned>(DataPass::MaterialIndex);
 /// As Blender calls them up to 4.5; mattes' planes have their number, of two digits, behind it.
 inline constexpr std::array<std::string_view, data_pass_count> data_pass_names{
     "CryptoObject", "CryptoMaterial",     "CryptoAsset",      "IndexOB",          "IndexMA",         "UV",
@@ -85,7 +88,7 @@ struct PathData {
     };
     std::vector<Layer> layers;
     float near_cover = 0.0f; ///< Cover of layers, each times what the mist leaves of it.
-    /// Of the first surface that covers at least half of what is behind it.
+    /// Of the first surface that lets no more pass than FrameConfig::pass_alpha_threshold allows.
     bool has_surface = false, has_uv = false;
     std::uint32_t name_index = 0, material_index = 0;
     vec2 uv{0.0f};
@@ -105,8 +108,8 @@ struct DataOfRays {
 void see_aovs(const Scene& scene, const AskingRay& asking, const ShadingPoint& point, const Hit& hit, float reached,
               std::span<const Aov> aovs, PathData& data);
 
-/// A surface on the way of a camera ray. `cover` is the share of the pixel that it hides; `is_first`: no other before it
-/// covers at least half of what is behind, and it does.
+/// A surface on the way of a camera ray. `cover` is the share of the pixel that it hides; `is_first`: it is the one
+/// that PathData tells of.
 void see_layer(const Scene& scene, const Camera& camera, const Hit& hit, const vec3& position, float cover,
                bool is_first, const DataPassConfig& config, PathData& data);
 
@@ -122,6 +125,8 @@ public:
     /// Throws InvalidInput for settings out of their range.
     DataSums(std::size_t pixel_count, std::uint32_t pixel_samples, const Scene& scene, const DataPassConfig& config);
     void add(std::size_t pixel, const PathData& data);
+    /// Once a pixel, of the surface that a ray found.
+    void set_indices(std::size_t pixel, const PathData& data);
     /// So far, in the order of DataPass; a pixel without a sample is 0.
     [[nodiscard]] std::vector<NamedPlane> resolve(const Progress& progress) const;
 

@@ -73,16 +73,12 @@ void FilmSums::add_paths(std::size_t pixel, const LightPaths& paths) {
 }
 
 void FilmSums::add(std::size_t pixel, const PathSample& sample) {
-    const bool is_first = sample_counts_[pixel]++ == 0;
+    ++sample_counts_[pixel];
     add_colour(pixel, Pass::Combined, sample.radiance);
     // Below 0 behind a surface that gives more than it meets; as in Cycles.
     channels(pixel, Pass::Combined)[3] += std::clamp(sample.alpha, 0.0f, 1.0f);
     if (!caught_.empty())
         caught_[pixel] += *sample.caught;
-    if (is_first && wants(Pass::Depth))
-        *channels(pixel, Pass::Depth) = sample.depth_m;
-    if (is_first && sample.depth_m > 0.0f)
-        add_colour(pixel, Pass::Position, vec3(dvec3(sample.position) + origin_in_world_));
     add_colour(pixel, Pass::Normal, sample.normal);
     add_colour(pixel, Pass::DiffuseColour, sample.diffuse_colour);
     add_colour(pixel, Pass::Emission, sample.emission);
@@ -97,6 +93,13 @@ void FilmSums::add(std::size_t pixel, const PathSample& sample) {
         for (int channel = 0; channel < 3; ++channel)
             weight[channel] += sample.unshadowed[channel];
     }
+}
+
+void FilmSums::set_place(std::size_t pixel, float depth_m, const vec3& position) {
+    if (wants(Pass::Depth))
+        *channels(pixel, Pass::Depth) = depth_m;
+    if (depth_m > 0.0f)
+        add_colour(pixel, Pass::Position, vec3(dvec3(position) + origin_in_world_));
 }
 
 void FilmSums::add_shafts(std::size_t pixel, const Rgb& radiance, float visibility) {

@@ -90,9 +90,9 @@ struct PathSample {
     Rgb radiance{0.0f};
     float alpha = 1.0f;
     /// Of the first surface that covers at least half of what is behind it, as Cycles' alpha threshold of 0.5 says.
-    float depth_m = 0.0f; ///< Along the camera's -Z; 0: no such surface. The film holds the first sample's.
+    float depth_m = 0.0f; ///< Along the camera's -Z; 0: no such surface. The film holds the pixel's centre's.
     vec3 normal{0.0f};    ///< Shading normal in world space, on the viewer's side; the mean over samples.
-    vec3 position{0.0f};  ///< In the scene's space. The film holds the first sample's, in world space.
+    vec3 position{0.0f};  ///< In the scene's space. The film holds the centre's, in world space.
     Rgb diffuse_colour{0.0f}, emission{0.0f}; ///< Through what lies in front.
     Rgb lit{0.0f}, unshadowed{0.0f};          ///< Irradiance from lights with and without occluders.
     Rgb transmittance{1.0f};                  ///< Through the media before that surface.
@@ -135,6 +135,8 @@ public:
              CatcherFilm catchers = CatcherFilm::None);
     [[nodiscard]] bool wants(Pass pass) const { return offsets_[static_cast<std::size_t>(pass)].has_value(); }
     void add(std::size_t pixel, const PathSample& sample);
+    /// Once a pixel: what Depth and Position show; see PathSample.
+    void set_place(std::size_t pixel, float depth_m, const vec3& position);
     /// More of what Lambert's share sends back of the world, of the sample that was added last to this pixel.
     void add_world_light(std::size_t pixel, const Rgb& radiance) {
         add_colour(pixel, Pass::Combined, radiance);

@@ -6,6 +6,7 @@
 #include "render/frame_style.hpp"
 #include "render/frame_surfaces.hpp"
 #include "render/light_groups.hpp"
+#include "render/pixel_centres.hpp"
 #include "render/pixel_noise.hpp"
 #include "render/surface_pass.hpp"
 #include "render/tile.hpp"
@@ -71,6 +72,8 @@ public:
 
     Film render() {
         const std::vector<Band> bands = all_bands();
+        see_pixel_centres(surfaces_.view_path(), camera_, region_, config_, sums_, data_ ? &*data_ : nullptr,
+                          progress_);
         for (std::uint32_t sample = config_.first_sample; sample < end_sample(); ++sample) {
             has_asked_all_ = surfaces_.turn_samples() == 1;
             render_sample(sample, bands);
