@@ -29,7 +29,7 @@ Rgb MeshEmitters::radiance(const Scene& scene, const EmissiveTriangle& triangle,
                            RayKind kind) {
     if (triangle.is_constant)
         return constant_emission(scene.material(triangle.instance, triangle.triangle));
-    return scene.closures({.ray = ray, .kind = kind}, scene.shading_point(ray, hit), hit).emission;
+    return scene.closures({.ray = ray, .kind = kind, .is_of_light = true}, scene.shading_point(ray, hit), hit).emission;
 }
 
 /// How far from dark it is: what glows below 0 takes light away, in Cycles, too.

@@ -122,6 +122,7 @@ struct ProgramRandom {
 struct AskingRay {
     const Ray& ray;
     RayKind kind = RayKind::Camera;
+    bool is_of_light = false;           ///< See ProgramPoint.
     float footprint_m = 0.0f;           ///< What a pixel covers at the hit; 0: not known.
     const Material* material = nullptr; ///< That is asked in place of the surface's own.
     /// Of rays that its program traces; nothing: it may trace none.

@@ -202,6 +202,7 @@ ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& p
     const std::vector<ObjectInfo>& infos = description().object_infos;
     ProgramPoint at{.surface = point,
                     .ray_kind = asking.kind,
+                    .is_of_light = asking.is_of_light,
                     .incoming = -asking.ray.direction,
                     .ray_length_m = hit.distance_m - asking.ray.near_m,
                     .passed_count = asking.ray.passed_count,
@@ -240,7 +241,9 @@ SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& poi
     if (surface.is_constant() && !surface.gloss && surface.lobe_sources.empty()) { // most surfaces, without a call
         closures.diffuse_albedo *= point.tint;
     } else if (surface.is_constant()) {
-        closures = evaluate(surface, {.surface = point, .incoming = -asking.ray.direction}, {}, lobes);
+        closures =
+            evaluate(surface, {.surface = point, .is_of_light = asking.is_of_light, .incoming = -asking.ray.direction},
+                     {}, lobes);
     } else {
         thread_local std::vector<vec2> uvs;
         uvs.clear();

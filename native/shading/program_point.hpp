@@ -41,7 +41,8 @@ struct ShadedObject {
 struct ProgramPoint {
     ShadingPoint surface;
     RayKind ray_kind = RayKind::Camera;
-    vec3 incoming{0, 0, 1}; ///< Unit, back along the ray.
+    bool is_of_light = false; ///< Its emission is asked for as a light's, which no coat or sheen dims, as in Cycles.
+    vec3 incoming{0, 0, 1};   ///< Unit, back along the ray.
     float ray_length_m = 0.0f;
     std::uint32_t passed_count = 0; ///< Transparent surfaces that the way here led through.
     float footprint_m = 0.0f;       ///< What a pixel covers here, across the ray; 0: not known. Bumps differ over it.

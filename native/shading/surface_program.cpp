@@ -205,6 +205,13 @@ static vec3 turned_normal(const ProgramPoint& at) {
 }
 
 /// The registers are those of the program; a material without one has none.
+/// What a shader's surface glows with, below its layers.
+static Rgb emission_of(const LobeSource& source, std::span<const Rgb> inputs) {
+    return has_emission(source.model)
+               ? glm::max(Rgb(0.0f), inputs[0]) * glm::max(Rgb(0.0f), inputs[principled_emission])
+               : Rgb(0.0f);
+}
+
 static void add_sources(const Material& material, std::span<const Rgb> registers, const ProgramPoint& at,
                         SurfaceClosures& closures, Lobes* lobes) {
     const ShadingPoint& point = at.surface;
@@ -213,6 +220,10 @@ static void add_sources(const Material& material, std::span<const Rgb> registers
         for (std::size_t input = 0; input < source.constants.size(); ++input) {
             const std::uint16_t index = source.registers[input];
             inputs[input] = index == LobeSource::no_register ? source.constants[input] : registers[index];
+        }
+        if (at.is_of_light) {
+            closures.emission += emission_of(source, inputs);
+            continue;
         }
         const vec3 turned = source.turns_smooth_normals ? turned_normal(at) : vec3(0.0f);
         const auto mirror_normal = [&](std::uint16_t index) {
@@ -243,7 +254,12 @@ Rgb emission_register_at(const Material& material, const ProgramPoint& point, st
                                     : run(material, point, uvs)[material.emission_register];
 }
 
-Rgb constant_emission(const Material& material) { return bounded(material.constant.emission); }
+Rgb constant_emission(const Material& material) {
+    Rgb sum = material.constant.emission;
+    for (const LobeSource& source : material.lobe_sources)
+        sum += emission_of(source, source.constants);
+    return bounded(sum);
+}
 
 SurfaceClosures evaluate(const Material& material, const ProgramPoint& at, std::span<const vec2> uvs, Lobes* lobes) {
     const ShadingPoint& point = at.surface;

@@ -42,7 +42,7 @@ void run_on_answers(const Material& material, std::uint16_t result, std::span<co
 [[nodiscard]] bool is_opaque_everywhere(const Material& material);
 /// All light passes: there is no surface, or one that is transparent by a constant.
 [[nodiscard]] bool is_transparent_everywhere(const Material& material);
-/// What a material whose emission is constant emits: as evaluate() has it, no more than 1e18.
+/// What a material whose emission is constant emits as a light; see ProgramPoint. No more than 1e18.
 [[nodiscard]] Rgb constant_emission(const Material& material);
 /// No light is emitted, whatever the program reads.
 [[nodiscard]] bool glows_nowhere(const Material& material);
