@@ -192,7 +192,7 @@ def pane_whose_shadow_is_opaque(_scene: bpy.types.Scene) -> None:
 
 
 def glow_below_a_coat(_scene: bpy.types.Scene) -> None:
-    """What it sends to the floor, which a coat does not dim. Seen to fail where it sent nothing, and where a coat did."""
+    """What it sends to the floor. Seen to fail where it sent nothing, and where the coat dimmed that."""
     ball = add_ball(24)
     glowing = bpy.data.materials.new("Glowing")
     inputs = use_nodes(glowing).nodes["Principled BSDF"].inputs
