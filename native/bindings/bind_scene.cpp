@@ -37,7 +37,7 @@ static Light make_light(std::string name, int kind, const Triple& strength, cons
                         const py::array& light_from_world_directions, float half_angle_rad, float radius_m,
                         float spot_half_angle_rad, float spot_blend, int spot_falloff, int body,
                         const std::array<float, 2>& half_size_m, bool is_ellipse, bool casts_shadow,
-                        bool lights_surfaces, bool lights_catchers, bool scatters_in_media,
+                        const std::array<bool, 3>& lights_surfaces, bool lights_catchers, bool scatters_in_media,
                         std::vector<OccluderEdit> occluder_edits,
                         const std::optional<std::shared_ptr<LightTexture>>& texture, std::uint8_t light_group,
                         const std::array<std::uint64_t, 2>& links,
@@ -59,7 +59,7 @@ static Light make_light(std::string name, int kind, const Triple& strength, cons
     light.is_ellipse = is_ellipse;
     light.light_from_world_directions = to_matrix<mat3, 3>(light_from_world_directions, "light_from_world_directions");
     light.casts_shadow = casts_shadow;
-    light.lights_surfaces = lights_surfaces;
+    light.lights_surfaces = {lights_surfaces[0], lights_surfaces[1], lights_surfaces[2]};
     light.lights_catchers = lights_catchers;
     light.scatters_in_media = scatters_in_media;
     light.occluder_edits = std::move(occluder_edits);

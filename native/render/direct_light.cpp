@@ -24,7 +24,7 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
       has_world_light_(!scene.world().is_black()), world_reach_m_(indirect.reach_m()) {
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
         const Light& light = scene.lights()[index];
-        if (!light.lights_surfaces || light.strength == Rgb(0.0f))
+        if (light.lights_surfaces.are_none() || light.strength == Rgb(0.0f))
             continue;
         lights_.push_back({index, LightAim(light), light_shafts::SurfaceHoles::make(scene, light), nullptr, nullptr});
         if (light.kind == LightKind::Sun && light.is_dimmed_by_media() && media.fills_world())
@@ -35,7 +35,7 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
     const auto is_drawn = [&](const AimedLight& aimed) {
         const Light& light = scene.lights()[aimed.index];
         return light.kind != LightKind::Sun && !aimed.holes && !SurfaceShadows::are_cast_by(light) &&
-               light.links == LightLinks{};
+               light.links == LightLinks{} && light.lights_surfaces.are_all();
     };
     std::vector<std::uint32_t> drawn;
     if (static_cast<std::size_t>(std::ranges::count_if(lights_, is_drawn)) > ManyLights::most_asked_each) {
@@ -173,16 +173,10 @@ void DirectLight::add(std::size_t light, const RayCount& count, const LitSurface
         return;
     if (surface.among == Among::Catchers && light < lights_.size() && !scene_.lights()[index_of(light)].lights_catchers)
         return;
-    const float share = static_cast<float>(count.turn) / static_cast<float>(count.rays);
-    for (std::uint32_t ray = 0; ray < count.rays; ++ray) {
-        const PairIndex pair = pair_of(light, ray, count, first_pair);
-        if (is_world(light))
-            add_world(surface, pair, share, irradiance);
-        else if (is_many(light))
-            add_many(surface, pair, share, irradiance, many_by_group);
-        else
-            add_light(lights_[light], surface, pair, share, irradiance);
-    }
+    if (light < lights_.size() && !scene_.lights()[index_of(light)].lights_surfaces.are_all())
+        add_by_kinds(light, count, surface, first_pair, irradiance);
+    else
+        add_rays(light, count, surface, first_pair, irradiance, many_by_group);
 }
 
 /// A light has the same pair wherever it shines: what one point skips does not shift another light's numbers.

@@ -148,6 +148,11 @@ private:
     [[nodiscard]] RayCount count_of(std::size_t light) const { return {ray_counts_[light], turns_[light]}; }
     void add(std::size_t light, const RayCount& count, const LitSurface& surface, const PairIndex& first_pair,
              std::span<Irradiance> irradiance, std::span<Irradiance> many_by_group = {}) const;
+    void add_rays(std::size_t light, const RayCount& count, const LitSurface& surface, const PairIndex& first_pair,
+                  std::span<Irradiance> irradiance, std::span<Irradiance> many_by_group) const;
+    /// Of a lamp that lights some kinds of shaders alone.
+    void add_by_kinds(std::size_t light, const RayCount& count, const LitSurface& surface, const PairIndex& first_pair,
+                      std::span<Irradiance> irradiance) const;
     /// One stratum, which stands for `share` of the light.
     void add_light(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
                    std::span<Irradiance> irradiance) const;
@@ -181,10 +186,10 @@ private:
                           Among among, std::vector<RayToLamp>& rays) const;
     /// Whether directions of lobes, too, look for lamps among the many.
     [[nodiscard]] bool finds_lamps(const LobeSet& lobes) const;
-    /// Irradiance from triangles that a ray in a drawn direction meets; the share of that strategy.
-    /// by_group: of each group that is asked for, or empty.
-    [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const DrawnDirection& drawn, Among among,
-                                   std::span<Rgb> by_group) const;
+    /// Irradiance from triangles that a ray in a drawn direction meets, or what lobes send back of it; the share of that
+    /// strategy. by_group: of each group that is asked for, or empty.
+    [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const DrawnDirection& drawn, const LobeSet* lobes,
+                                   Among among, std::span<Rgb> by_group) const;
     void report_glow(Statistics& statistics, const IndirectConfig& indirect) const;
     /// Whether directions of a point's lobes are worth drawing beside rays that are aimed at a lamp with a size.
     [[nodiscard]] static bool may_find(const AimedLight& aimed, const LitSurface& surface, std::size_t point);

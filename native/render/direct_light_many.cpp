@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The part of direct_light.hpp of lights that are drawn, not asked each: by the tree, of triangles by the cosine and by
+// The parts of direct_light.hpp of lamps that light some shaders alone, and of lights that are drawn, not asked each: by the tree, of triangles by the cosine and by
 // lobes' own directions, too, and of lamps with a size by those of sharp lobes.
 // Based on: Veach, dissertation, Stanford 1997, section 9.2 (power heuristic): a wide plate nearby is met by chance.
 #include "core/sampling.hpp"
 #include "render/direct_light.hpp"
 #include "render/light_groups.hpp"
+#include "render/lobes_of_kinds.hpp"
 #include "render/passed_surface.hpp"
 #include "render/shadow_rays.hpp"
 #include <algorithm>
@@ -49,11 +50,12 @@ void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, 
             float weight = 1.0f;
             if (aimed->pdf_per_sr > 0.0f && (is_met || aimed->lamp != nullptr) && lobes->has_directions())
                 weight = power_share(aimed->pdf_per_sr, lobes->pdf_per_sr(towards));
-            reflected = arriving *
-                        (is_a_point ? lobes->per_irradiance_of_point(towards) : lobes->per_irradiance(towards)) *
-                        weight;
+            thread_local std::vector<Lobe> room;
+            const LobeSet lit = aimed->kinds.are_all() ? *lobes : lobes_of_kinds(aimed->kinds, *lobes, room);
+            reflected =
+                arriving * (is_a_point ? lit.per_irradiance_of_point(towards) : lit.per_irradiance(towards)) * weight;
         }
-        shadow.push(aimed->ray, arriving, index, reflected);
+        shadow.push(aimed->ray, aimed->kinds.diffuse ? arriving : Rgb(0.0f), index, reflected);
         const float cosine = glm::dot(point.shading.shading_normal, towards);
         shadow.shares[shadow.count - 1] =
             is_met ? power_share(aimed->pdf_per_sr, cosine_hemisphere_pdf_per_sr(cosine)) : 1.0f;
@@ -95,8 +97,8 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
         const vec3 direction = from_frame(point.shading.shading_normal, sample_cosine_hemisphere(u));
         const float cosine = glm::dot(point.shading.shading_normal, direction);
         irradiance[index].from_lights +=
-            share *
-            of_triangles(point, {direction, cosine, cosine_hemisphere_pdf_per_sr(cosine)}, surface.among, of_groups);
+            share * of_triangles(point, {direction, cosine, cosine_hemisphere_pdf_per_sr(cosine)}, nullptr,
+                                 surface.among, of_groups);
         for (std::size_t group = 0; group < of_groups.size(); ++group)
             by_group[group * surface.points.size() + index].from_lights += share * of_groups[group];
     }
@@ -110,10 +112,9 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
         if (!drawn)
             continue;
         if (many_->has_triangles()) {
-            const Rgb per_irradiance = share * lobes.per_irradiance_as_drawn(drawn->direction);
-            irradiance[index].reflected += of_triangles(point, *drawn, surface.among, of_groups) * per_irradiance;
+            irradiance[index].reflected += share * of_triangles(point, *drawn, &lobes, surface.among, of_groups);
             for (std::size_t group = 0; group < of_groups.size(); ++group)
-                by_group[group * surface.points.size() + index].reflected += of_groups[group] * per_irradiance;
+                by_group[group * surface.points.size() + index].reflected += share * of_groups[group];
         }
         if (!may_find_lamps)
             continue;
@@ -137,6 +138,41 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
             irradiance[index] += found;
             add_to_group(by_group, to_lamp.lamp->light_group, surface.points.size(), index, found);
         }
+    }
+}
+
+void DirectLight::add_rays(std::size_t light, const RayCount& count, const LitSurface& surface,
+                           const PairIndex& first_pair, std::span<Irradiance> irradiance,
+                           std::span<Irradiance> many_by_group) const {
+    const float share = static_cast<float>(count.turn) / static_cast<float>(count.rays);
+    for (std::uint32_t ray = 0; ray < count.rays; ++ray) {
+        const PairIndex pair = pair_of(light, ray, count, first_pair);
+        if (is_world(light))
+            add_world(surface, pair, share, irradiance);
+        else if (is_many(light))
+            add_many(surface, pair, share, irradiance, many_by_group);
+        else
+            add_light(lights_[light], surface, pair, share, irradiance);
+    }
+}
+
+void DirectLight::add_by_kinds(std::size_t light, const RayCount& count, const LitSurface& surface,
+                               const PairIndex& first_pair, std::span<Irradiance> irradiance) const {
+    const LitKinds& kinds = scene_.lights()[index_of(light)].lights_surfaces;
+    thread_local std::array<std::vector<Lobe>, most_points> rooms;
+    PointLobes lobes;
+    MostPdfs most_pdfs;
+    most_pdfs.fill(-1.0f);
+    for (std::size_t point = 0; surface.lobes != nullptr && point < surface.points.size(); ++point)
+        lobes[point] = lobes_of_kinds(kinds, (*surface.lobes)[point], rooms[point]);
+    std::array<Irradiance, most_points> found;
+    add_rays(light, count,
+             {surface.points, surface.lanes, surface.lobes != nullptr ? &lobes : nullptr, surface.among, &most_pdfs},
+             first_pair, found, {});
+    for (std::size_t point = 0; point < surface.points.size(); ++point) {
+        if (!kinds.diffuse)
+            found[point].from_lights = found[point].unshadowed = Rgb(0.0f);
+        irradiance[point] += found[point];
     }
 }
 
@@ -173,7 +209,7 @@ void DirectLight::aim_at_lamps_met(const SurfacePoint& point, const LobeSet& lob
     }
 }
 
-Rgb DirectLight::of_triangles(const SurfacePoint& point, const DrawnDirection& drawn, Among among,
+Rgb DirectLight::of_triangles(const SurfacePoint& point, const DrawnDirection& drawn, const LobeSet* lobes, Among among,
                               std::span<Rgb> by_group) const {
     const auto& [direction, cosine, pdf_per_sr] = drawn;
     std::ranges::fill(by_group, Rgb(0.0f));
@@ -183,8 +219,16 @@ Rgb DirectLight::of_triangles(const SurfacePoint& point, const DrawnDirection& d
     Ray ray = shadow_ray(point, direction);
     if (!many_->may_meet_triangle(ray))
         return sum;
+    const auto counting = [&](const LitKinds& kinds) {
+        if (lobes == nullptr)
+            return Rgb(kinds.diffuse ? 1.0f : 0.0f);
+        thread_local std::vector<Lobe> room;
+        const LobeSet lit = kinds.are_all() ? *lobes : lobes_of_kinds(kinds, *lobes, room);
+        return lit.per_irradiance_as_drawn(direction);
+    };
+    const unsigned int mask = mask_among(among, lobes == nullptr ? bounce_mask : bounce_mask | mirror_mask);
     for (int passed = 0; passed < most_surfaces_passed; ++passed) {
-        const Hit hit = scene_.closest_hit(ray, mask_among(among, bounce_mask));
+        const Hit hit = scene_.closest_hit(ray, mask);
         if (!hit.is_hit())
             break;
         if (const std::optional<ManyLights::Aimed> met = many_->met(point, ray, hit);
@@ -192,8 +236,8 @@ Rgb DirectLight::of_triangles(const SurfacePoint& point, const DrawnDirection& d
             std::array<Rgb, 1> passing{scene_.shadow_transmittance(met->ray, among)};
             if (has_media_ && among == Among::All)
                 media_.attenuate({&met->ray, 1}, passing);
-            const Rgb found =
-                met->arriving * passing[0] * (power_share(pdf_per_sr, met->pdf_per_sr) * cosine / pdf_per_sr);
+            const Rgb found = met->arriving * passing[0] * counting(met->kinds) *
+                              (power_share(pdf_per_sr, met->pdf_per_sr) * cosine / pdf_per_sr);
             sum += found;
             add_to_group(by_group, met->light_group, 1, 0, found);
         }

@@ -54,7 +54,7 @@ ManyLights::ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps,
                        std::shared_ptr<const MeshEmitters> emitters, KeptLightTrees* kept)
     : scene_(scene), lamps_(std::move(lamps)), emitters_(std::move(emitters)) {
     const auto lights_surfaces = [&](const EmissiveTriangle& triangle) {
-        return scene.description().instances[triangle.instance].is_bounce_visible;
+        return !kinds_of(scene.description().instances[triangle.instance]).are_none();
     };
     std::vector<LightBounds> bounds;
     std::vector<Bounds3> boxes;
@@ -167,7 +167,8 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
                  .instance = triangle.instance,
                  .pdf_per_sr = place.pdf_per_sr,
                  .light_group = scene_.object_info(triangle.instance).light_group,
-                 .links = links_of(triangle)};
+                 .links = links_of(triangle),
+                 .kinds = kinds_of(scene_.description().instances[triangle.instance])};
 }
 
 std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const {
@@ -183,6 +184,7 @@ std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, cons
                  .instance = triangle.instance,
                  .pdf_per_sr = probability * triangle_pdf_per_sr(triangle.corners, point.shading.position, place),
                  .light_group = scene_.object_info(triangle.instance).light_group,
-                 .links = links_of(triangle)};
+                 .links = links_of(triangle),
+                 .kinds = kinds_of(scene_.description().instances[triangle.instance])};
 }
 } // namespace tyndall::render

@@ -37,6 +37,7 @@ public:
             0.0f; ///< With the choice, of what rays meet by chance, too; of a lamp where it is asked for.
         std::uint8_t light_group = no_light_group;
         const LightLinks* links = nullptr; ///< Of a triangle, where they leave something out; lamps here light all.
+        LitKinds kinds = {};               ///< The same.
     };
     /// By numbers in [0, 1). Nothing: no light comes from there. `tells_density`: of lamps, too.
     [[nodiscard]] std::optional<Aimed> aim(const SurfacePoint& point, float u_choice, vec2 u_place,
@@ -67,6 +68,9 @@ private:
     [[nodiscard]] const LightLinks* links_of(const EmissiveTriangle& triangle) const {
         const LightLinks& links = scene_.object_info(triangle.instance).links;
         return links == LightLinks{} ? nullptr : &links;
+    }
+    [[nodiscard]] static LitKinds kinds_of(const Instance& instance) {
+        return {instance.is_bounce_visible, instance.is_mirror_visible, instance.is_glass_visible};
     }
     /// From where rays leave the point to just before a hit.
     [[nodiscard]] Ray ray_to(const SurfacePoint& point, const Hit& hit, const vec3& direction) const;

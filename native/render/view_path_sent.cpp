@@ -75,6 +75,9 @@ void ViewPath::see_air(const Follower& follower, float end_m, std::uint32_t seed
 void ViewPath::see_lamps(const Follower& follower, float end_m, PathSample& sample) const {
     const Ray& ray = follower.part;
     const auto see = [&](const Light& light, const LampHit& hit) {
+        if (!(follower.kind == RayKind::Transmission ? light.lights_surfaces.transmission
+                                                     : light.lights_surfaces.glossy))
+            return;
         Rgb radiance = light.strength * hit.radiance_per_strength;
         if (light.kind == LightKind::Spot)
             radiance *= spot_attenuation(light, -ray.direction);

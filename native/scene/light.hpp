@@ -2,6 +2,7 @@
 // Lights with Blender's units, already converted to radiometric ones by the sync; positions are in the scene's space.
 #pragma once
 #include "core/math.hpp"
+#include "scene/lit_kinds.hpp"
 #include "scene/occluder_edit.hpp"
 #include "shading/light_links.hpp"
 #include <array>
@@ -50,7 +51,7 @@ struct Light {
     bool is_ellipse = false; ///< Area: an ellipse with these half axes, else a rectangle.
     mat3 light_from_world_directions{1.0f}; ///< Spot: rotation and scale that Cycles 4 applies before the cone test.
     bool casts_shadow = true;
-    bool lights_surfaces = true;
+    LitKinds lights_surfaces = {};
     bool lights_catchers = true; ///< It shines on shadow catchers without all that stands on them, too.
     bool scatters_in_media = true;
     std::vector<OccluderEdit> occluder_edits = {};    ///< In the order in which they are made.

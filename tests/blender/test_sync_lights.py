@@ -22,7 +22,7 @@ def test_what_a_light_does_not_do() -> None:
     lamp.visible_diffuse = False
     lamp.data.tyndall.scatters_in_media = False
     (described,) = read().lights
-    assert not described.lights_surfaces
+    assert (described.lights_diffuse, described.lights_glossy, described.lights_transmission) == (False, True, True)
     assert not described.scatters_in_media
 
 

@@ -127,7 +127,7 @@ OF_LIGHTS: dict[str, Change] = {
     "sun brighter": lambda state: state.with_sun(strength=(2.0, 1.0, 1.0)),
     "sun larger": lambda state: state.with_sun(half_angle_rad=0.2),
     "sun without shadow": lambda state: state.with_sun(casts_shadow=False),
-    "sun off surfaces": lambda state: state.with_sun(lights_surfaces=False),
+    "sun off surfaces": lambda state: state.with_sun(lights_diffuse=False),
     "sun off the air": lambda state: state.with_sun(scatters_in_media=False),
     "gobo": lambda state: state.with_sun(texture=LightTexture(use=TextureUse(image=DOTS))),
     "holes for surfaces": lambda state: state.with_sun(occluder_edits=(replace(HOLES, affects_surfaces=True),)),

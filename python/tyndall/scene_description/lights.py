@@ -98,7 +98,9 @@ class Light:
     is_ellipse: bool = False  #: Area: an ellipse with these axes; else a rectangle.
     spread_rad: float = math.pi  #: Area: between the outermost directions in which it shines, [0, pi].
     casts_shadow: bool = True
-    lights_surfaces: bool = True
+    lights_diffuse: bool = True  #: Of surfaces' shaders; translucent ones, sheen and toon, too.
+    lights_glossy: bool = True
+    lights_transmission: bool = True  #: Hair's; and it shows through what bends rays.
     #: Shadows of its light show on shadow catchers; else it only brightens what they show.
     lights_catchers: bool = True
     scatters_in_media: bool = True

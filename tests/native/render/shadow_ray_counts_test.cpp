@@ -158,7 +158,7 @@ TEST_CASE("blades of grass in bright fog are edges between more and less of it, 
                    .kind = LightKind::Point,
                    .strength = Rgb(lamp_w),
                    .position = {0, 0, 0.45f},
-                   .lights_surfaces = false};
+                   .lights_surfaces = {false, false, false}};
         SceneDescription description = description_of(*make_scene(parts, {medium}, {lamp}));
         description.world = World("sky", Rgb(1.0f));
         return rays_to_sky(Scene(std::move(description), Progress())).of_light.back();
