@@ -17,22 +17,31 @@ if TYPE_CHECKING:
 
 _RAYS = {
     "camera": RayBit.CAMERA,
-    "diffuse": RayBit.DIFFUSE,
     "glossy": RayBit.GLOSSY | RayBit.MIRROR,
     "transmission": RayBit.TRANSMISSION,
-    "scatter": RayBit.SCATTER,
 }
 
 
-def shown_to_rays(reader: ValueReader, world: bpy.types.World) -> Value:
-    """What to multiply its light by. What lights surfaces and air asks as diffuse rays do, whatever scatters it."""
+def _is_shown(world: bpy.types.World, rays: str) -> bool:
     of_cycles = getattr(world, "cycles_visibility", None)  # where its add-on is on
-    hidden = {name for name in _RAYS if of_cycles is not None and not getattr(of_cycles, name)}
-    if hidden - {"camera"} and len({name in hidden for name in ("diffuse", "glossy", "scatter")}) > 1:
-        reader.note("its visibility to diffuse rays counts for gloss that is no mirror, and for air, too")
+    return of_cycles is None or getattr(of_cycles, rays)
+
+
+def lit_by(world: bpy.types.World) -> dict[str, bool]:
+    """What its light falls on, as fields of a description of it and of its suns."""
+    return {
+        "lights_diffuse": _is_shown(world, "diffuse"),
+        "lights_glossy": _is_shown(world, "glossy"),
+        "lights_transmission": _is_shown(world, "transmission"),
+        "scatters_in_media": _is_shown(world, "scatter"),
+    }
+
+
+def shown_to_rays(reader: ValueReader, world: bpy.types.World) -> Value:
+    """What to multiply its light by where rays see it. What lights surfaces and air asks as diffuse rays do."""
     shown: Value = WHITE
     program = reader.program
-    for name in sorted(hidden):
+    for name in (name for name in _RAYS if not _is_shown(world, name)):
         asked_by = point_input(program, PointInput.IS_RAY, selector=int(_RAYS[name]))
         shown = program.multiply(shown, program.complement(asked_by))
     return shown

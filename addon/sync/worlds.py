@@ -24,7 +24,7 @@ from .sky_suns import SkySun, sky_sun
 from .value_nodes import Domain, ValueReader
 from .world_nodes import WorldReader
 from .world_programs import as_turned_image, image_width, linear_map
-from .world_visibility import shown_to_rays
+from .world_visibility import lit_by, shown_to_rays
 
 if TYPE_CHECKING:
     import bpy
@@ -50,7 +50,18 @@ class ReadWorld:
 
     def sky_suns(self) -> tuple[Light, ...]:
         """As lights of the scene."""
-        return tuple(replace(sun.light(), light_group=self.world.light_group) for sun in self.suns)
+        world = self.world
+        return tuple(
+            replace(
+                sun.light(),
+                light_group=world.light_group,
+                lights_diffuse=world.lights_diffuse,
+                lights_glossy=world.lights_glossy,
+                lights_transmission=world.lights_transmission,
+                scatters_in_media=world.scatters_in_media,
+            )
+            for sun in self.suns
+        )
 
 
 class WorldBakes:
@@ -90,6 +101,11 @@ def read_world(
     """A scene without a world is black."""
     if world is None:
         return ReadWorld(World(name="no world"))
+    found = _read_world(world, reports, images, bakes)
+    return replace(found, world=replace(found.world, **lit_by(world)))
+
+
+def _read_world(world: bpy.types.World, reports: Reports, images: ImageReader, bakes: WorldBakes | None) -> ReadWorld:
     tree = shader_tree(world)
     culprit = f'World "{world.name}"'
     surface, volume = (output_input(tree, name) for name in ("Surface", "Volume"))

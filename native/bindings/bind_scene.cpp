@@ -85,8 +85,8 @@ environment_image(const std::string& name, const std::optional<py::array>& pixel
 
 static World make_world(std::string name, const Triple& radiance, const std::optional<py::array>& pixels,
                         const py::array& image_from_world, const std::optional<py::array>& seen_pixels,
-                        const std::optional<std::shared_ptr<DirectionProgram>>& seen_program,
-                        std::uint8_t light_group) {
+                        const std::optional<std::shared_ptr<DirectionProgram>>& seen_program, std::uint8_t light_group,
+                        const std::array<bool, 3>& lights_surfaces, bool scatters_in_media) {
     auto image = environment_image(name, pixels, "pixels");
     SeenWorld seen{.image = environment_image(name, seen_pixels, "seen_pixels"),
                    .program = seen_program.value_or(nullptr)};
@@ -94,6 +94,7 @@ static World make_world(std::string name, const Triple& radiance, const std::opt
     World world = without_gil(
         [&] { return World(std::move(name), to_vec3(radiance), std::move(image), rotation, std::move(seen)); });
     world.set_light_group(light_group);
+    world.set_lit({lights_surfaces[0], lights_surfaces[1], lights_surfaces[2]}, scatters_in_media);
     return world;
 }
 
@@ -288,6 +289,7 @@ corner_normals: float32 (t, 3, 3) or None; uv_maps: pairs of name and float32 (t
     py::class_<World>(native, "World")
         .def(py::init(&make_world), "name"_a, "radiance"_a, "pixels"_a, "image_from_world"_a,
              "seen_pixels"_a = py::none(), "seen_program"_a = py::none(), "light_group"_a = no_light_group,
+             "lights_surfaces"_a = std::array<bool, 3>{true, true, true}, "scatters_in_media"_a = true,
              "pixels: float32 (height, width, 4), rows bottom to top, or None; image_from_world: float32 (3, 3); "
              "seen_pixels: as pixels, what cameras see instead of them; seen_program: the radiance that they see.");
     py::class_<ShapeGeometry, std::shared_ptr<ShapeGeometry>>(native, "Shape", "What scenes place beside meshes.");

@@ -11,7 +11,7 @@ namespace tyndall::light_shafts {
 static constexpr double enough = 10.0, too_few = 5.0;
 
 std::optional<LackOfDirections> lack_of_directions(const Scene& scene, const Config& config) {
-    if (config.world_samples == 0 || scene.world().is_black())
+    if (config.world_samples == 0 || !scene.world().scatters_in_media())
         return std::nullopt;
     float asymmetry_g = 0.0f;
     for (const Medium& medium : scene.description().media)

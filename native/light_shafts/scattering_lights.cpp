@@ -191,7 +191,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
             paint(light, scattering.samples);
     }
     const World& world = scene.world();
-    if (world.is_black() || counts.left.world)
+    if (!world.scatters_in_media() || counts.left.world)
         return lights;
     if (counts.of_world == 0 || drowns_suns) {
         statistics.skip("light shafts of the world", drowns_suns ? remedy : "switched off");

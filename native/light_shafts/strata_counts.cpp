@@ -150,7 +150,7 @@ StrataCounts count_strata(const Scene& scene, const Media& media, const View& vi
     }
     most.of_world = config.world_samples;
     few.of_world = std::min(config.world_samples, pilot_directions);
-    if (!scene.world().is_black())
+    if (scene.world().scatters_in_media())
         usual.world_samples = std::min(config.world_samples, usual_times * pilot_directions);
     const bool has_pilot = config.adapts_strata && (most.of_light != few.of_light || most.of_world != few.of_world);
     few.left = most.left = find_left(scene, media, config, usual);

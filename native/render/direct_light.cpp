@@ -21,7 +21,8 @@ using light_shafts::SurfaceShadows;
 DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& statistics, const IndirectConfig& indirect,
                          KeptLightTrees* kept)
     : scene_(scene), media_(media), emitters_(emitters_of(scene, kept)), has_media_(!media.is_empty()),
-      has_world_light_(!scene.world().is_black()), world_reach_m_(indirect.reach_m()) {
+      has_world_light_(!scene.world().is_black() && !scene.world().lights_surfaces().are_none()),
+      world_reach_m_(indirect.reach_m()) {
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {
         const Light& light = scene.lights()[index];
         if (light.lights_surfaces.are_none() || light.strength == Rgb(0.0f))
@@ -173,8 +174,11 @@ void DirectLight::add(std::size_t light, const RayCount& count, const LitSurface
         return;
     if (surface.among == Among::Catchers && light < lights_.size() && !scene_.lights()[index_of(light)].lights_catchers)
         return;
-    if (light < lights_.size() && !scene_.lights()[index_of(light)].lights_surfaces.are_all())
-        add_by_kinds(light, count, surface, first_pair, irradiance);
+    const LitKinds kinds = is_many(light)    ? LitKinds{}
+                           : is_world(light) ? scene_.world().lights_surfaces()
+                                             : scene_.lights()[index_of(light)].lights_surfaces;
+    if (!kinds.are_all())
+        add_by_kinds(light, kinds, count, surface, first_pair, irradiance);
     else
         add_rays(light, count, surface, first_pair, irradiance, many_by_group);
 }

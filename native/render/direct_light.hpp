@@ -150,9 +150,9 @@ private:
              std::span<Irradiance> irradiance, std::span<Irradiance> many_by_group = {}) const;
     void add_rays(std::size_t light, const RayCount& count, const LitSurface& surface, const PairIndex& first_pair,
                   std::span<Irradiance> irradiance, std::span<Irradiance> many_by_group) const;
-    /// Of a lamp that lights some kinds of shaders alone.
-    void add_by_kinds(std::size_t light, const RayCount& count, const LitSurface& surface, const PairIndex& first_pair,
-                      std::span<Irradiance> irradiance) const;
+    /// Of a lamp, or the world, that lights some kinds of shaders alone.
+    void add_by_kinds(std::size_t light, const LitKinds& kinds, const RayCount& count, const LitSurface& surface,
+                      const PairIndex& first_pair, std::span<Irradiance> irradiance) const;
     /// One stratum, which stands for `share` of the light.
     void add_light(const AimedLight& aimed, const LitSurface& surface, const PairIndex& pair, float share,
                    std::span<Irradiance> irradiance) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The parts of direct_light.hpp of lamps that light some shaders alone, and of lights that are drawn, not asked each: by the tree, of triangles by the cosine and by
+// The parts of direct_light.hpp of emitters that light some shaders alone, and of lights that are drawn, not asked each: by the tree, of triangles by the cosine and by
 // lobes' own directions, too, and of lamps with a size by those of sharp lobes.
 // Based on: Veach, dissertation, Stanford 1997, section 9.2 (power heuristic): a wide plate nearby is met by chance.
 #include "core/sampling.hpp"
@@ -156,9 +156,9 @@ void DirectLight::add_rays(std::size_t light, const RayCount& count, const LitSu
     }
 }
 
-void DirectLight::add_by_kinds(std::size_t light, const RayCount& count, const LitSurface& surface,
-                               const PairIndex& first_pair, std::span<Irradiance> irradiance) const {
-    const LitKinds& kinds = scene_.lights()[index_of(light)].lights_surfaces;
+void DirectLight::add_by_kinds(std::size_t light, const LitKinds& kinds, const RayCount& count,
+                               const LitSurface& surface, const PairIndex& first_pair,
+                               std::span<Irradiance> irradiance) const {
     thread_local std::array<std::vector<Lobe>, most_points> rooms;
     PointLobes lobes;
     MostPdfs most_pdfs;
@@ -171,7 +171,7 @@ void DirectLight::add_by_kinds(std::size_t light, const RayCount& count, const L
              first_pair, found, {});
     for (std::size_t point = 0; point < surface.points.size(); ++point) {
         if (!kinds.diffuse)
-            found[point].from_lights = found[point].unshadowed = Rgb(0.0f);
+            found[point].from_lights = found[point].unshadowed = found[point].from_world = Rgb(0.0f);
         irradiance[point] += found[point];
     }
 }

@@ -21,7 +21,8 @@ static vec2 air_pair(const FogGlow::Numbers& numbers, AirPair pair) {
 
 SentAir::SentAir(const Scene& scene, const Media& media, const MeshEmitters& emitters, const Config& config,
                  KeptLightTrees* kept)
-    : scene_(scene), media_(media), config_(config), has_world_(config.world_scatters && !scene.world().is_black()) {
+    : scene_(scene), media_(media), config_(config),
+      has_world_(config.world_scatters && scene.world().scatters_in_media()) {
     if (config.has_glow) {
         Statistics unread; // counts and reports are those of the camera's light shafts
         glow_.emplace(scene, media, emitters, config.attenuates_light, unread, kept);

@@ -3,6 +3,7 @@
 #pragma once
 #include "core/math.hpp"
 #include "core/shared_array.hpp"
+#include "scene/lit_kinds.hpp"
 #include "shading/direction_program.hpp"
 #include "shading/light_links.hpp"
 #include <memory>
@@ -57,10 +58,14 @@ public:
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] std::uint8_t light_group() const { return light_group_; }
     void set_light_group(std::uint8_t group) { light_group_ = group; }
+    /// By its ray visibility.
+    [[nodiscard]] const LitKinds& lights_surfaces() const { return lights_surfaces_; }
+    [[nodiscard]] bool scatters_in_media() const { return scatters_in_media_ && !is_black_; }
+    void set_lit(const LitKinds& surfaces, bool media) { lights_surfaces_ = surfaces, scatters_in_media_ = media; }
     /// The same radiance of the same image, not of an equal one; names do not count.
     [[nodiscard]] bool shines_as(const World& other) const {
         return radiance_ == other.radiance_ && image_ == other.image_ && seen_ == other.seen_ &&
-               image_from_world_ == other.image_from_world_;
+               image_from_world_ == other.image_from_world_ && lights_surfaces_ == other.lights_surfaces_;
     }
 
 private:
@@ -71,6 +76,8 @@ private:
     mat3 image_from_world_{1.0f};
     bool is_black_ = true;
     std::uint8_t light_group_ = no_light_group;
+    LitKinds lights_surfaces_ = {};
+    bool scatters_in_media_ = true;
     std::shared_ptr<const EnvironmentImportance> importance_; ///< Nothing without an image.
 };
 } // namespace tyndall

@@ -123,4 +123,8 @@ class World:
     seen_image: Image | None = None  #: What cameras see in place of the image, without its light.
     seen_program: Material | None = None  #: Or the emission of this: its points are directions.
     medium: int = -1  #: Into SceneDescription.media: fills all space; -1: none.
+    lights_diffuse: bool = True  #: As Light's; what rays see of it is in the program.
+    lights_glossy: bool = True
+    lights_transmission: bool = True
+    scatters_in_media: bool = True
     light_group: str = ""  #: One of SceneDescription.light_groups, or none.
