@@ -44,6 +44,8 @@ def read_lights(
 ) -> Iterator[Light]:
     """One light per instance. One that no air scatters needs only those edits of its occluders that surfaces see."""
     thing, data = placement.source, placement.source.data
+    if _is_portal(data):
+        return
     name = placement.object_name
     strength = _strength(data)
     scatters_in_media = thing.visible_volume_scatter and data.tyndall.scatters_in_media
@@ -199,6 +201,11 @@ def _body(data: bpy.types.Light) -> LightBody:
     if _IS_BLENDER_4 and not getattr(data, "use_soft_falloff", False):
         return LightBody.SPHERE
     return LightBody.FACING_DISC
+
+
+def _is_portal(data: bpy.types.Light) -> bool:
+    """It shines nowhere: Cycles looks for the world through it."""
+    return data.type == "AREA" and getattr(getattr(data, "cycles", None), "is_portal", False)
 
 
 def _casts_shadow(data: bpy.types.Light) -> bool:

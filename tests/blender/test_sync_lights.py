@@ -26,6 +26,16 @@ def test_what_a_light_does_not_do() -> None:
     assert not described.scatters_in_media
 
 
+# Seen to fail: a portal of a room was its brightest lamp.
+def test_a_portal_is_no_light() -> None:
+    empty_scene()
+    portal = light("AREA", (0, 0, 2))
+    portal.data.cycles.is_portal = True
+    assert read().lights == ()
+    portal.data.type = "POINT"  # of which Cycles does not look at the switch
+    assert len(read().lights) == 1
+
+
 def test_area_lights_have_their_shape_and_spread() -> None:
     empty_scene()
     lamp = light("AREA", (0, 0, 2), shape="ELLIPSE", size=2.0, size_y=0.5, spread=1.0)
