@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The parts of direct_light.hpp of emitters that light some shaders alone, and of lights that are drawn, not asked each: by the tree, of triangles by the cosine and by
-// lobes' own directions, too, and of lamps with a size by those of sharp lobes.
+// The parts of direct_light.hpp of emitters that light some shaders alone, and of lights that are drawn, not asked each:
+// by the tree, of triangles by the cosine and by lobes' own directions, too, and of lamps with a size by those of sharp
+// lobes.
 // Based on: Veach, dissertation, Stanford 1997, section 9.2 (power heuristic): a wide plate nearby is met by chance.
 #include "core/sampling.hpp"
 #include "render/direct_light.hpp"
