@@ -22,15 +22,14 @@ class TYNDALL_PT_ray_visibility(PropertiesPanel, Panel):
     def draw(self, context: Context) -> None:
         layout = self.layout
         layout.use_property_split = True
-        column = layout.column()
-        if context.object.type == "LIGHT":
-            column.prop(context.object, "visible_diffuse", text="Surfaces", toggle=False)
-            column.prop(context.object, "visible_volume_scatter", text="Media", toggle=False)
-        else:
+        column, is_light = layout.column(), context.object.type == "LIGHT"
+        if not is_light:
             column.prop(context.object, "visible_camera", text="Camera", toggle=False)
-            column.prop(context.object, "visible_diffuse", text="Diffuse", toggle=False)
-            column.prop(context.object, "visible_glossy", text="Glossy", toggle=False)
-            column.prop(context.object, "visible_transmission", text="Transmission", toggle=False)
+        column.prop(context.object, "visible_diffuse", text="Diffuse", toggle=False)
+        column.prop(context.object, "visible_glossy", text="Glossy", toggle=False)
+        column.prop(context.object, "visible_transmission", text="Transmission", toggle=False)
+        column.prop(context.object, "visible_volume_scatter", text="Media", toggle=False)
+        if not is_light:
             column.prop(context.object, "visible_shadow", text="Shadow", toggle=False)
 
 

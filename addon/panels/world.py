@@ -93,6 +93,23 @@ class TYNDALL_PT_world_sun(WorldPanel, Panel):
             draw_value(layout, context, "Strength", f"{sun.data.energy:.3g} W/m²")
 
 
+class TYNDALL_PT_world_ray_visibility(WorldPanel, Panel):
+    bl_label = "Ray Visibility"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return super().poll(context) and hasattr(context.world, "cycles_visibility")  # where its add-on is on
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        column = layout.column()
+        for switch in ("camera", "diffuse", "glossy", "transmission"):
+            column.prop(context.world.cycles_visibility, switch)
+        column.prop(context.world.cycles_visibility, "scatter", text="Media")
+
+
 class TYNDALL_PT_world_volume(WorldPanel, Panel):
     bl_label = "Volume"
 
@@ -105,4 +122,10 @@ class TYNDALL_PT_world_volume(WorldPanel, Panel):
             draw_without_output(layout, context.world)
 
 
-CLASSES = (TYNDALL_PT_world_preview, TYNDALL_PT_world_surface, TYNDALL_PT_world_sun, TYNDALL_PT_world_volume)
+CLASSES = (
+    TYNDALL_PT_world_preview,
+    TYNDALL_PT_world_surface,
+    TYNDALL_PT_world_sun,
+    TYNDALL_PT_world_volume,
+    TYNDALL_PT_world_ray_visibility,
+)
