@@ -239,9 +239,10 @@ def test_lit_surfaces_equal_cycles(
     error = np.abs(block_means(ours) - truth)
     # Channels of a block share their samples: it strays as one. Of 16 blocks, two beyond 3 sigma are one in 1,000.
     tolerance = 0.002 * truth
-    if bpy.app.version < (4, 0, 0) and build is sun_on_a_coarse_smooth_ball:
-        # The terminator of 3.4's Cycles lies elsewhere on ten segments: 0.54 % of the mean in one block.
-        tolerance += 0.006 * truth.mean()
+    if bpy.app.version < (4, 0, 0):
+        # The terminator of 3.4's Cycles lies elsewhere on coarse meshes: 0.54 and 1.04 % of the mean in one block.
+        elsewhere = {sun_on_a_coarse_smooth_ball: 0.006, sun_on_a_squashed_cylinder: 0.012}
+        tolerance += elsewhere.get(build, 0.0) * truth.mean()
     stray = (error > tolerance + 3 * sigma).any(axis=-1)
     assert stray.sum() <= 1, error.max() / truth.mean()
     assert (error <= tolerance + 6 * sigma).all(), error.max() / truth.mean()
