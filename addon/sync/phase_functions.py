@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _LARGEST_ASYMMETRY = 0.999  #: Cycles, too, keeps away from the limit, at which all light goes straight on.
+_LARGEST_ALPHA = 1e6  #: All is the squared cosine by then.
 _LEAST_SHARE = 1e-6  #: Of a lobe that counts.
 _MIE_DIAMETERS_UM = (0.1, 1.5, 5.0)  #: Between which other fits hold.
 
@@ -41,7 +42,8 @@ Shares = tuple[tuple[float, Phase], ...]
 
 def draine(asymmetry_g: float, alpha: float = 0.0) -> Shares:
     """Of any asymmetry."""
-    return ((1.0, Phase(min(max(asymmetry_g, -_LARGEST_ASYMMETRY), _LARGEST_ASYMMETRY), max(alpha, 0.0))),)
+    asymmetry_g = min(max(asymmetry_g, -_LARGEST_ASYMMETRY), _LARGEST_ASYMMETRY)
+    return ((1.0, Phase(asymmetry_g, min(max(alpha, 0.0), _LARGEST_ALPHA))),)
 
 
 RAYLEIGH = draine(0.0, 1.0)
