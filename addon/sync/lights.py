@@ -11,7 +11,15 @@ import bpy
 import numpy as np
 
 from tyndall.emitter_programs import EmitterObject, EmitterPictures
-from tyndall.scene_description import Light, LightBody, LightKind, LightProjection, ObjectLighting, SpotFalloff
+from tyndall.scene_description import (
+    Light,
+    LightBody,
+    LightKind,
+    LightProjection,
+    LitKinds,
+    ObjectLighting,
+    SpotFalloff,
+)
 
 from .area_light_nodes import emitter_of, emitter_texture, read_area_emission
 from .lamp_nodes import lamp_at_distances, read_lamp_emission
@@ -48,6 +56,7 @@ def read_lights(
         return
     name = placement.object_name
     strength = _strength(data)
+    lit = LitKinds(thing.visible_diffuse, thing.visible_glossy, thing.visible_transmission)
     scatters_in_media = thing.visible_volume_scatter and data.tyndall.scatters_in_media
     occluder_edits = tuple(edit for edit in edits.read(data, name) if scatters_in_media or edit.affects_surfaces)
     radius_m = 0.0 if data.type in {"SUN", "AREA"} else data.shadow_soft_size
@@ -64,9 +73,7 @@ def read_lights(
                     light,
                     texture=at_distances(emitter_texture(picture, matrix), emission.distance, LightProjection.EMITTER),
                     casts_shadow=_casts_shadow(data),
-                    lights_diffuse=thing.visible_diffuse,
-                    lights_glossy=thing.visible_glossy,
-                    lights_transmission=thing.visible_transmission,
+                    lights_surfaces=lit,
                     lights_catchers=placement.is_shadow_catcher,
                     scatters_in_media=scatters_in_media,
                     occluder_edits=occluder_edits,
@@ -95,9 +102,7 @@ def read_lights(
             spot_falloff=SpotFalloff.BLENDER_4 if _IS_BLENDER_4 else SpotFalloff.BLENDER_3,
             body=_body(data),
             casts_shadow=_casts_shadow(data),
-            lights_diffuse=thing.visible_diffuse,
-            lights_glossy=thing.visible_glossy,
-            lights_transmission=thing.visible_transmission,
+            lights_surfaces=lit,
             lights_catchers=placement.is_shadow_catcher,
             scatters_in_media=scatters_in_media,
             occluder_edits=occluder_edits,

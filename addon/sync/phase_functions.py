@@ -6,8 +6,9 @@ Approximate Mie Scattering Function for Fog and Cloud Rendering, SIGGRAPH Talks 
 and Jonasz, Computer-based Underwater Imaging Analysis, SPIE 3761, 1999, by the share of light that goes back (Mobley,
 Sundman and Boss, Applied Optics 41, 2002, eq. 3).
 Differs: Fournier and Forand's is fitted by lobes each half as wide as the one before (Lawson and Hanson, Solving Least
-Squares Problems, 1974, chapter 23), within 2 % from a fifth of a degree on. What it sends closer to straight on than
-that is taken for absorbed: only a light itself is seen there.
+Squares Problems, 1974, chapter 23): of a backscatter of a hundredth and more within 2 % in the mean of the angles from
+a fifth of a degree on, and 5 % at any. What it sends closer to straight on than that is taken for absorbed: only a
+light itself is seen there.
 """
 
 from __future__ import annotations
@@ -93,7 +94,7 @@ def fournier_forand(backscatter: float, ior: float) -> Shares:
     phases = [*forward, Phase(-0.3), Phase(0.0, 20.0), Phase(-0.3, 20.0)]
     relative = np.stack([_draine_per_sr(cosine, phase) for phase in phases], axis=1) / wanted[:, np.newaxis]
     shares = _not_negative_least_squares(relative, np.ones(len(wanted)))
-    if shares.sum() > 1.0:  # by a tenth at most of what was allowed above
+    if shares.sum() > 1.0:  # more light than there is: then 1 in all counts for as much as a hundred angles
         relative = np.vstack([relative, np.full(len(phases), 100.0)])
         shares = _not_negative_least_squares(relative, np.append(np.ones(len(wanted)), 100.0))
         shares /= max(shares.sum(), 1.0)

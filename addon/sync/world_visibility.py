@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from tyndall.scene_description import LitKinds
 from tyndall.surface_inputs import PointInput, RayBit
 
 from .coordinates import point_input
@@ -22,26 +23,23 @@ _RAYS = {
 }
 
 
-def _is_shown(world: bpy.types.World, rays: str) -> bool:
+def is_shown(world: bpy.types.World, rays: str) -> bool:
+    """``rays``: as Cycles' switches are called."""
     of_cycles = getattr(world, "cycles_visibility", None)  # where its add-on is on
     return of_cycles is None or getattr(of_cycles, rays)
 
 
-def lit_by(world: bpy.types.World) -> dict[str, bool]:
-    """What its light falls on, as fields of a description of it and of its suns."""
-    return {
-        "lights_diffuse": _is_shown(world, "diffuse"),
-        "lights_glossy": _is_shown(world, "glossy"),
-        "lights_transmission": _is_shown(world, "transmission"),
-        "scatters_in_media": _is_shown(world, "scatter"),
-    }
+def lit_surfaces(world: bpy.types.World) -> LitKinds:
+    """What its light, and that of its suns, falls on."""
+    return LitKinds(*(is_shown(world, rays) for rays in ("diffuse", "glossy", "transmission")))
 
 
 def shown_to_rays(reader: ValueReader, world: bpy.types.World) -> Value:
     """What to multiply its light by where rays see it. What lights surfaces and air asks as diffuse rays do."""
     shown: Value = WHITE
     program = reader.program
-    for name in (name for name in _RAYS if not _is_shown(world, name)):
-        asked_by = point_input(program, PointInput.IS_RAY, selector=int(_RAYS[name]))
-        shown = program.multiply(shown, program.complement(asked_by))
+    for rays, bits in _RAYS.items():
+        if not is_shown(world, rays):
+            asked_by = point_input(program, PointInput.IS_RAY, selector=int(bits))
+            shown = program.multiply(shown, program.complement(asked_by))
     return shown

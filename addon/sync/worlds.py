@@ -24,7 +24,7 @@ from .sky_suns import SkySun, sky_sun
 from .value_nodes import Domain, ValueReader
 from .world_nodes import WorldReader
 from .world_programs import as_turned_image, image_width, linear_map
-from .world_visibility import lit_by, shown_to_rays
+from .world_visibility import is_shown, lit_surfaces, shown_to_rays
 
 if TYPE_CHECKING:
     import bpy
@@ -55,9 +55,7 @@ class ReadWorld:
             replace(
                 sun.light(),
                 light_group=world.light_group,
-                lights_diffuse=world.lights_diffuse,
-                lights_glossy=world.lights_glossy,
-                lights_transmission=world.lights_transmission,
+                lights_surfaces=world.lights_surfaces,
                 scatters_in_media=world.scatters_in_media,
             )
             for sun in self.suns
@@ -102,7 +100,8 @@ def read_world(
     if world is None:
         return ReadWorld(World(name="no world"))
     found = _read_world(world, reports, images, bakes)
-    return replace(found, world=replace(found.world, **lit_by(world)))
+    lit = replace(found.world, lights_surfaces=lit_surfaces(world), scatters_in_media=is_shown(world, "scatter"))
+    return replace(found, world=lit)
 
 
 def _read_world(world: bpy.types.World, reports: Reports, images: ImageReader, bakes: WorldBakes | None) -> ReadWorld:

@@ -52,7 +52,7 @@ void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, 
             if (aimed->pdf_per_sr > 0.0f && (is_met || aimed->lamp != nullptr) && lobes->has_directions())
                 weight = power_share(aimed->pdf_per_sr, lobes->pdf_per_sr(towards));
             thread_local std::vector<Lobe> room;
-            const LobeSet lit = aimed->kinds.are_all() ? *lobes : lobes_of_kinds(aimed->kinds, *lobes, room);
+            const LobeSet lit = lobes_of_kinds(aimed->kinds, *lobes, room);
             reflected =
                 arriving * (is_a_point ? lit.per_irradiance_of_point(towards) : lit.per_irradiance(towards)) * weight;
         }
@@ -224,8 +224,7 @@ Rgb DirectLight::of_triangles(const SurfacePoint& point, const DrawnDirection& d
         if (lobes == nullptr)
             return Rgb(kinds.diffuse ? 1.0f : 0.0f);
         thread_local std::vector<Lobe> room;
-        const LobeSet lit = kinds.are_all() ? *lobes : lobes_of_kinds(kinds, *lobes, room);
-        return lit.per_irradiance_as_drawn(direction);
+        return lobes_of_kinds(kinds, *lobes, room).per_irradiance_as_drawn(direction);
     };
     const unsigned int mask = mask_among(among, lobes == nullptr ? bounce_mask : bounce_mask | mirror_mask);
     for (int passed = 0; passed < most_surfaces_passed; ++passed) {

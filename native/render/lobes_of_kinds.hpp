@@ -17,8 +17,10 @@ namespace tyndall::render {
     }
 }
 
-/// `room` must outlive what is made of it, as it is.
+/// `lobes` themselves, or a set that lies in `room`, which must outlive it as it is.
 [[nodiscard]] inline LobeSet lobes_of_kinds(const LitKinds& kinds, const LobeSet& lobes, std::vector<Lobe>& room) {
+    if (kinds.are_all())
+        return lobes;
     room.clear();
     for (const Lobe& lobe : lobes.lobes)
         if (lights(kinds, lobe))

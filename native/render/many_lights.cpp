@@ -54,7 +54,7 @@ ManyLights::ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps,
                        std::shared_ptr<const MeshEmitters> emitters, KeptLightTrees* kept)
     : scene_(scene), lamps_(std::move(lamps)), emitters_(std::move(emitters)) {
     const auto lights_surfaces = [&](const EmissiveTriangle& triangle) {
-        return !kinds_of(scene.description().instances[triangle.instance]).are_none();
+        return !scene.description().instances[triangle.instance].lights_surfaces().are_none();
     };
     std::vector<LightBounds> bounds;
     std::vector<Bounds3> boxes;
@@ -168,7 +168,7 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
                  .pdf_per_sr = place.pdf_per_sr,
                  .light_group = scene_.object_info(triangle.instance).light_group,
                  .links = links_of(triangle),
-                 .kinds = kinds_of(scene_.description().instances[triangle.instance])};
+                 .kinds = scene_.description().instances[triangle.instance].lights_surfaces()};
 }
 
 std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const {
@@ -185,6 +185,6 @@ std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, cons
                  .pdf_per_sr = probability * triangle_pdf_per_sr(triangle.corners, point.shading.position, place),
                  .light_group = scene_.object_info(triangle.instance).light_group,
                  .links = links_of(triangle),
-                 .kinds = kinds_of(scene_.description().instances[triangle.instance])};
+                 .kinds = scene_.description().instances[triangle.instance].lights_surfaces()};
 }
 } // namespace tyndall::render

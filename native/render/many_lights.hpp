@@ -69,9 +69,6 @@ private:
         const LightLinks& links = scene_.object_info(triangle.instance).links;
         return links == LightLinks{} ? nullptr : &links;
     }
-    [[nodiscard]] static LitKinds kinds_of(const Instance& instance) {
-        return {instance.is_bounce_visible, instance.is_mirror_visible, instance.is_glass_visible};
-    }
     /// From where rays leave the point to just before a hit.
     [[nodiscard]] Ray ray_to(const SurfacePoint& point, const Hit& hit, const vec3& direction) const;
 

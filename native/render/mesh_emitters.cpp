@@ -65,9 +65,7 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
         bool has_light = false;
         for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
             has_light |= glows[description.slot_materials[instance.first_slot_material + slot]] != 0;
-        const bool lights_surfaces =
-            instance.is_bounce_visible || instance.is_mirror_visible || instance.is_glass_visible;
-        if (!has_light || !(lights_surfaces || instance.lights_media))
+        if (!has_light || (instance.lights_surfaces().are_none() && !instance.lights_media))
             continue;
         const TriangleMesh& whole = *description.meshes[instance.mesh_index];
         const SharedMeshArrays& mesh = whole.arrays();

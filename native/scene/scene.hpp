@@ -8,6 +8,7 @@
 #include "scene/instance_masks.hpp"
 #include "scene/instance_trees.hpp"
 #include "scene/light.hpp"
+#include "scene/lit_kinds.hpp"
 #include "scene/placed_shapes.hpp"
 #include "scene/shape_geometry.hpp"
 #include "scene/spawn_offset.hpp"
@@ -43,6 +44,8 @@ struct Instance {
     /// Of it cameras see only the shadows that others cast on it.
     bool is_shadow_catcher : 1 = false;
     float random = 0.0f; ///< Its own, [0, 1): what Object Info calls so.
+    /// Where it glows: shaders whose rays see it.
+    [[nodiscard]] LitKinds lights_surfaces() const { return {is_bounce_visible, is_mirror_visible, is_glass_visible}; }
 };
 
 struct TransparentOperations;

@@ -77,7 +77,7 @@ def build_light(
         half_size_m=tuple(half_size_m),
         is_ellipse=light.is_ellipse,
         casts_shadow=light.casts_shadow,
-        lights_surfaces=(light.lights_diffuse, light.lights_glossy, light.lights_transmission),
+        lights_surfaces=light.lights_surfaces,
         lights_catchers=light.lights_catchers,
         scatters_in_media=light.scatters_in_media,
         occluder_edits=build_occluder_edits(light, object_names, reports),

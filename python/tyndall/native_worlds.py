@@ -39,6 +39,6 @@ def _make_world(world: World, light_group: int) -> _native.World:
         seen_pixels=None if world.seen_image is None else linear_texels(world.seen_image),
         seen_program=None if world.seen_program is None else build_direction_program(world.seen_program),
         light_group=light_group,
-        lights_surfaces=(world.lights_diffuse, world.lights_glossy, world.lights_transmission),
+        lights_surfaces=world.lights_surfaces,
         scatters_in_media=world.scatters_in_media,
     )

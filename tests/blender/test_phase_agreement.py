@@ -28,9 +28,7 @@ PHASES: dict[str, tuple[str, dict[str, float], float]] = {
 }
 
 
-def fog(name: str) -> Build:
-    phase, inputs, _ = PHASES[name]
-
+def fog_of(phase: str, inputs: dict[str, float]) -> Build:
     def build(new: object, _link: object) -> bpy.types.NodeSocket:
         made = node(new, "ShaderNodeVolumeScatter", Color=(0.9, 0.6, 0.3, 1.0), Density=0.3)
         made.phase = phase
@@ -39,6 +37,11 @@ def fog(name: str) -> Build:
         return made.outputs[0]
 
     return build
+
+
+def fog(name: str) -> Build:
+    phase, inputs, _ = PHASES[name]
+    return fog_of(phase, inputs)
 
 
 # Seen to fail: all of them as Henyey and Greenstein's, which they were read as; Mie's shares the other way round; an
@@ -65,16 +68,8 @@ def test_absurd_values_leave_fog_lit() -> None:
         ("FOURNIER_FORAND", {"IOR": 1e30, "Backscatter": 1e30}),
         ("FOURNIER_FORAND", {"IOR": 0.0, "Backscatter": -1.0}),
     ):
-
-        def build(new: object, _link: object, of: tuple[str, dict[str, float]] = (phase, inputs)) -> object:
-            made = node(new, "ShaderNodeVolumeScatter", Density=0.3)
-            made.phase = of[0]
-            for socket, value in of[1].items():
-                made.inputs[socket].default_value = value
-            return made.outputs[0]
-
         scene = empty_scene()
-        cube("Fog", material("Fog", volume=build))
+        cube("Fog", material("Fog", volume=fog_of(phase, inputs)))
         light("POINT", (0.3, 0.2, 0.1), energy=100.0, shadow_soft_size=0.0)
         pixels = tyndall_pixels(scene)
         assert 0.05 < pixels.min() <= pixels.max() < 100.0, phase

@@ -13,7 +13,7 @@ from support.small_scenes import (
     light,
     read,
 )
-from tyndall.scene_description import LightBody
+from tyndall.scene_description import LightBody, LitKinds
 
 
 def test_what_a_light_does_not_do() -> None:
@@ -22,7 +22,7 @@ def test_what_a_light_does_not_do() -> None:
     lamp.visible_diffuse = False
     lamp.data.tyndall.scatters_in_media = False
     (described,) = read().lights
-    assert (described.lights_diffuse, described.lights_glossy, described.lights_transmission) == (False, True, True)
+    assert described.lights_surfaces == LitKinds(diffuse=False, glossy=True, transmission=True)
     assert not described.scatters_in_media
 
 

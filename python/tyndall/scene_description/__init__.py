@@ -26,7 +26,7 @@ from .geometry import (
     point_maps,
 )
 from .images import Extension, Image, Interpolation
-from .lights import Light, LightBody, LightKind, LightProjection, LightTexture, SpotFalloff, World
+from .lights import Light, LightBody, LightKind, LightProjection, LightTexture, LitKinds, SpotFalloff, World
 from .materials import (
     BumpShadowing,
     Code,
@@ -73,6 +73,7 @@ __all__ = [
     "LightMask",
     "LightProjection",
     "LightTexture",
+    "LitKinds",
     "LobeModel",
     "Lobes",
     "Material",

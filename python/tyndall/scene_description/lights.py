@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +78,17 @@ class LightTexture:
     smooth_m2: float = 0.0
 
 
+class LitKinds(NamedTuple):
+    """The surfaces' shaders that an emitter lights."""
+
+    diffuse: bool = True  #: Translucent ones, sheen and toon, too.
+    glossy: bool = True
+    transmission: bool = True  #: Hair's; and it shows through what bends rays.
+
+
+_ALL_KINDS = LitKinds()
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Light:
     """A light in radiometric units."""
@@ -98,9 +110,7 @@ class Light:
     is_ellipse: bool = False  #: Area: an ellipse with these axes; else a rectangle.
     spread_rad: float = math.pi  #: Area: between the outermost directions in which it shines, [0, pi].
     casts_shadow: bool = True
-    lights_diffuse: bool = True  #: Of surfaces' shaders; translucent ones, sheen and toon, too.
-    lights_glossy: bool = True
-    lights_transmission: bool = True  #: Hair's; and it shows through what bends rays.
+    lights_surfaces: LitKinds = _ALL_KINDS
     #: Shadows of its light show on shadow catchers; else it only brightens what they show.
     lights_catchers: bool = True
     scatters_in_media: bool = True
@@ -123,8 +133,6 @@ class World:
     seen_image: Image | None = None  #: What cameras see in place of the image, without its light.
     seen_program: Material | None = None  #: Or the emission of this: its points are directions.
     medium: int = -1  #: Into SceneDescription.media: fills all space; -1: none.
-    lights_diffuse: bool = True  #: As Light's; what rays see of it is in the program.
-    lights_glossy: bool = True
-    lights_transmission: bool = True
+    lights_surfaces: LitKinds = _ALL_KINDS  #: What rays see of it is in the program.
     scatters_in_media: bool = True
     light_group: str = ""  #: One of SceneDescription.light_groups, or none.
