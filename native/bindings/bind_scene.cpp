@@ -346,6 +346,9 @@ give; instancer_rows, uint32, the same way. Releases the GIL.)")
         .def_property_readonly(
             "instance_count", [](const SceneWithMedia& built) { return built.scene->description().instances.size(); },
             "Of meshes, without those that were left out.")
+        .def_property_readonly(
+            "has_fog", [](const SceneWithMedia& built) { return !built.media->is_empty(); },
+            "Some medium scatters, absorbs or glows.")
         .def(
             "relit",
             [](const SceneWithMedia& built, std::vector<Light> lights, World world) {

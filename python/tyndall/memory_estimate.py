@@ -2,9 +2,8 @@
 """The memory that a render surely takes, before it takes any: what the machine does not have is refused.
 
 A lower bound, so that nothing is refused that fits: the sums of samples and the planes that they become, what is made
-of meshes, strands and instances, single images, and what waits for the light of a fog that is everywhere. What maps and
-rows of shafts take is known once they are laid out: native code asks for it before they are filled, from the room that
-these parts leave. What waits in a box of fog depends on what the picture shows, and is told afterwards, as the peak.
+of meshes, strands and instances, single images, and what waits for the light of fog. What maps and rows of shafts take
+is known once they are laid out: native code asks for it before they are filled, from the room that these parts leave.
 """
 
 from __future__ import annotations
@@ -37,8 +36,8 @@ _CHANNELS = {
 _MATTES = {"CryptoObject", "CryptoMaterial", "CryptoAsset"}
 #: Of Embree's trees, and of what these read: half of what was measured.
 _TREE_BYTES_PER_TRIANGLE, _TREE_BYTES_PER_STRAND_POINT, _TREE_BYTES_PER_SPHERE, _BYTES_PER_INSTANCE = 60, 50, 25, 250
-#: A part of the ray, its weight, its place among all, and the light that it gets.
-_FOG_BYTES_PER_PIXEL = 32 + 12 + 4 + 12
+#: A part of the ray, its weight, and its place among all. Where fog scatters, there are 12 more for the light.
+_FOG_BYTES_PER_PIXEL = 32 + 12 + 4
 #: Below, nobody asks how much is free.
 _CHECKED_FROM_BYTES = 256 << 20
 
@@ -72,12 +71,12 @@ def picture_part(
 
 
 def fog_part(size_px: tuple[int, int]) -> Part:
-    """What waits for the light of one sample where each pixel's ray passes fog."""
+    """What waits for the light of one sample, of each pixel's ray once: it meets fog or not, where there is any."""
     width, height = size_px
     return Part(
-        f"the fog of the world in {width} x {height} pixels",
+        f"the fog in {width} x {height} pixels",
         width * height * _FOG_BYTES_PER_PIXEL,
-        "lower the resolution, render a region, or put the fog into a box",
+        "lower the resolution, or render a region",
     )
 
 

@@ -110,7 +110,6 @@ class Session:
         self._reports: list[str] = []
         self._light_names: list[str] = []
         self._light_groups: tuple[str, ...] = ()
-        self._has_media = self._is_fog_everywhere = False
         self._aov_programs: dict[str, dict[int, int]] = {}
 
     @property
@@ -139,8 +138,6 @@ class Session:
             self._light_names, self._aov_programs = built.light_names, built.aov_programs
             self._geometry, self._lit_by = geometry, lit_by
             self._light_groups = description.light_groups
-            self._has_media = bool(description.media)
-            self._is_fog_everywhere = description.world.medium >= 0
             self._unstyled.clear()
         else:
             self._parts.count_all_as_reused()
@@ -176,7 +173,7 @@ class Session:
         groups = len(self._light_groups) if config.keeps_light_groups else 0
         size_px = config.region_size_px(camera)
         asked = [picture_part(size_px, config.passes, config.data, groups)]
-        if self._is_fog_everywhere:
+        if self._scene.has_fog:
             asked.append(fog_part(size_px))
         require_room(asked)
         self._parts.texture_files.begin_picture()
@@ -188,7 +185,7 @@ class Session:
                 functions,
                 reports,
                 keeps_unstyled=self._unstyled.capacity > 0,
-                shafts_room_bytes=room_left_by(asked) if self._has_media else None,
+                shafts_room_bytes=room_left_by(asked) if self._scene.has_fog else None,
             ),
             progress,
             None if on_update is None else lambda so_far: on_update(Film(planes=so_far)),
