@@ -107,11 +107,15 @@ class Placement:
     told: dict[str, NDArray[np.float32]] = field(default_factory=dict)
     hair: str | None = None  #: The modifier of the particle hair that is drawn in place of the data.
 
+    def add(self, instance: DepsgraphObjectInstance) -> None:
+        self.matrices.append(instance.matrix_world.copy())
+        is_own = self.own_random_number is not None and not instance.is_instance
+        self.random_numbers.append(self.own_random_number if is_own else instance.random_id & 0xFFFFFFFF)
+
     def world_from_object(self) -> NDArray[np.float64]:
         """All instances, (count, 4, 4), [row, column]."""
-        numbers: Iterator[float] = chain.from_iterable(
-            chain.from_iterable(self.matrices)
-        )  # twice as fast as numpy.array
+        # Twice as fast as numpy.array.
+        numbers: Iterator[float] = chain.from_iterable(chain.from_iterable(self.matrices))
         return np.fromiter(numbers, np.float64, 16 * len(self.matrices)).reshape(-1, 4, 4)
 
 
@@ -124,12 +128,10 @@ def read_placements(
         if index % _POLL_EVERY == 0:
             poll()
         for of_hair in grouping.hair_of(instance):
-            of_hair.matrices.append(instance.matrix_world.copy())
+            of_hair.add(instance)
         placement = grouping.placement_of(instance)
         if placement is not None:
-            placement.matrices.append(instance.matrix_world.copy())
-            is_own = placement.own_random_number is not None and not instance.is_instance
-            placement.random_numbers.append(placement.own_random_number if is_own else instance.random_id & 0xFFFFFFFF)
+            placement.add(instance)
             if placement.particle_rows is not None:
                 placement.particle_rows.append(grouping.particles.row_of(instance))
             if placement.instancer_rows is not None:

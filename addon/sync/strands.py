@@ -201,6 +201,9 @@ def _group(placement: Placement, strands: Strands, material: int) -> StrandObjec
         is_held_out=placement.is_held_out,
         is_shadow_catcher=placement.is_shadow_catcher,
         lighting=placement.lighting,
+        color=placement.color,
+        pass_index=float(placement.pass_index),
+        random=as_unit_floats(placement.random_numbers),
     )
 
 

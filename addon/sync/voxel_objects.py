@@ -17,6 +17,7 @@ from tyndall.scene_description import VoxelObjects
 from ..voxel_boxes import file_of, is_voxel_box
 from .asking_materials import note_unread
 from .mesh_attributes import what_is_missing
+from .random_numbers import as_unit_floats
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -97,4 +98,7 @@ def _group(placement: Placement, dag: VoxelDag, materials: MaterialReader, repor
         is_held_out=placement.is_held_out,
         is_shadow_catcher=placement.is_shadow_catcher,
         lighting=placement.lighting,
+        color=placement.color,
+        pass_index=float(placement.pass_index),
+        random=as_unit_floats(placement.random_numbers),
     )

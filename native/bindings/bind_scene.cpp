@@ -137,19 +137,21 @@ static std::vector<Instance> make_instances(const InstanceArrays& arrays) {
 
 /// Voxel objects and strands in parallel arrays, one entry per placement; their names follow those of the instances.
 static std::vector<PlacedShape> make_placed_shapes(const py::array& shape_indices, const py::array& materials,
-                                                   const py::array& shows_to, const py::array& world_from_object,
-                                                   std::size_t first_name) {
+                                                   const py::array& shows_to, const py::array& randoms,
+                                                   const py::array& world_from_object, std::size_t name_count) {
     const auto shapes = to_vector<std::uint32_t, std::uint32_t>(shape_indices, {-1}, "shape_indices");
     const auto count = static_cast<py::ssize_t>(shapes.size());
     const auto material = to_vector<std::uint32_t, std::uint32_t>(materials, {count}, "shape_materials");
     const auto mask = to_vector<std::uint8_t, std::uint8_t>(shows_to, {count}, "shape_shows_to");
+    const auto random = to_vector<float, float>(randoms, {count}, "shape_randoms");
     check_array<float>(world_from_object, {count, 4, 4}, "world_from_shape");
+    require(shapes.size() <= name_count, "there are ", name_count, " object_names for ", shapes.size(), " shapes");
     const auto* matrices = static_cast<const float*>(world_from_object.data());
     std::vector<PlacedShape> placed(shapes.size());
     for (std::size_t i = 0; i < placed.size(); ++i)
         placed[i] = {.shape_index = shapes[i],
                      .world_from_object = to_matrix<mat4, 4>(matrices + 16 * i),
-                     .name_index = static_cast<std::uint32_t>(first_name + i),
+                     .name_index = static_cast<std::uint32_t>(name_count - placed.size() + i),
                      .material_index = material[i],
                      .is_camera_visible = (mask[i] & camera_mask) != 0,
                      .casts_shadow = (mask[i] & shadow_mask) != 0,
@@ -157,7 +159,8 @@ static std::vector<PlacedShape> make_placed_shapes(const py::array& shape_indice
                      .is_mirror_visible = (mask[i] & mirror_mask) != 0,
                      .is_glass_visible = (mask[i] & glass_mask) != 0,
                      .is_held_out = (mask[i] & held_out_flag) != 0,
-                     .is_shadow_catcher = (mask[i] & shadow_catcher_flag) != 0};
+                     .is_shadow_catcher = (mask[i] & shadow_catcher_flag) != 0,
+                     .random = random[i]};
     return placed;
 }
 
@@ -188,7 +191,7 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
            const py::array& object_sets, const py::array& object_links,
            const std::vector<std::shared_ptr<ShapeGeometry>>& shapes, const py::array& shape_indices,
            const py::array& world_from_shape, const py::array& shape_materials, const py::array& shape_shows_to,
-           std::vector<Material> materials, std::vector<Medium> media, std::vector<VolumeInstance> volumes,
+           const py::array& shape_randoms, std::vector<Material> materials, std::vector<Medium> media, std::vector<VolumeInstance> volumes,
            std::int32_t world_medium, const py::array& particles, const py::array& instance_particles,
            const py::array& instancer_values, const py::array& instancer_rows, const Progress& progress) {
     const py::ssize_t count = mesh_indices.size();
@@ -205,15 +208,13 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
                         .randoms = to_vector<float, float>(randoms, {count}, "randoms"),
                         .world_from_object = world_from_object});
     description.shapes.assign(shapes.begin(), shapes.end());
-    const auto colors = to_vector<vec4, float>(object_colors, {-1, 4}, "object_colors");
-    const auto names = static_cast<py::ssize_t>(colors.size());
+    const auto names = static_cast<py::ssize_t>(object_names.size());
+    const auto colors = to_vector<vec4, float>(object_colors, {names, 4}, "object_colors");
     const auto indices = to_vector<float, float>(object_indices, {names}, "object_indices");
-    description.placed_shapes =
-        make_placed_shapes(shape_indices, shape_materials, shape_shows_to, world_from_shape, colors.size());
-    require(object_names.size() == colors.size() + description.placed_shapes.size(), "there are ", object_names.size(),
-            " object_names, ", colors.size(), " object_colors and ", description.placed_shapes.size(), " shapes");
+    description.placed_shapes = make_placed_shapes(shape_indices, shape_materials, shape_shows_to, shape_randoms,
+                                                   world_from_shape, object_names.size());
     description.object_infos = make_object_infos(object_names.size(), object_light_groups, object_sets, object_links);
-    for (std::size_t i = 0; i < colors.size(); ++i) { // those of placed shapes follow
+    for (std::size_t i = 0; i < colors.size(); ++i) {
         description.object_infos[i].color = colors[i];
         description.object_infos[i].pass_index = indices[i];
     }
@@ -313,16 +314,16 @@ float32 (strands, 2) or (n, 2); randoms: float32 (strands,) or None. Releases th
              "object_names"_a, "name_indices"_a, "first_slot_materials"_a, "slot_counts"_a, "shows_to"_a,
              "slot_materials"_a, "randoms"_a, "object_colors"_a, "object_indices"_a, "object_light_groups"_a,
              "object_sets"_a, "object_links"_a, "shapes"_a, "shape_indices"_a, "world_from_shape"_a,
-             "shape_materials"_a, "shape_shows_to"_a, "materials"_a, "media"_a, "volumes"_a, "world_medium"_a,
+             "shape_materials"_a, "shape_shows_to"_a, "shape_randoms"_a, "materials"_a, "media"_a, "volumes"_a, "world_medium"_a,
              "particles"_a, "instance_particles"_a, "instancer_values"_a, "instancer_rows"_a, "progress"_a,
              R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
 shows_to uint8, a bit each for cameras, lights' shadows, bounces, mirrors and glass, and one each for what is
 held out, for shadow catchers and for what lights media, world_from_object float32 (n, 4, 4)
 relative to origin_in_world. The same per placed shape, of which
-shape_materials, uint32, is the one material. object_names: those that name_indices, uint32 per instance, point to, of
-which object_colors and object_indices are, too; then one per shape. Of all of these, object_light_groups, uint8 (255:
-none), object_sets, uint8 (n, 2), of receivers and blockers, and object_links, uint64 (n, 2), those they light and are
-blocked by. particles: float32 (n, 14), the members of ParticleState; instance_particles, uint32, says which of them
+shape_materials, uint32, is the one material. object_names: those that name_indices, uint32 per instance, point to, and
+then one per shape. Of all of these, object_colors, float32 (n, 4), object_indices, float32, object_light_groups, uint8
+(255: none), object_sets, uint8 (n, 2), of receivers and blockers, and object_links, uint64 (n, 2), those they light and
+are blocked by. particles: float32 (n, 14), the members of ParticleState; instance_particles, uint32, says which of them
 each instance is, or 2^32 - 1; or nothing, if none is one. instancer_values: float32 (n, values, 4), what instancers
 give; instancer_rows, uint32, the same way. Releases the GIL.)")
         .def(

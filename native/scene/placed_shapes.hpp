@@ -19,6 +19,7 @@ struct PlacedShape {
     bool is_glass_visible = true;   ///< Through what bends rays.
     bool is_held_out = false;       ///< What of it cameras see is cut out of the picture.
     bool is_shadow_catcher = false; ///< Of it cameras see only the shadows that others cast on it.
+    float random = 0.0f;            ///< As Instance's.
     bool operator==(const PlacedShape&) const = default;
 };
 

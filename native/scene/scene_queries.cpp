@@ -214,7 +214,7 @@ ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& p
                                                         : &description().instances[hit.instance].world_from_object,
                                .object_from_scene = &object_from_scene,
                                .info = infos.empty() ? nullptr : &infos[description().name_index_of(hit.instance)],
-                               .random = placed != nullptr ? 0.0f : description().instances[hit.instance].random,
+                               .random = placed != nullptr ? placed->random : description().instances[hit.instance].random,
                                .particle = description().particle_of(hit.instance),
                                .instancer_values = description().instancer_values_of(hit.instance)},
                     .object_normal = placed != nullptr ? vec3(0.0f) : smooth_normal(mesh_of(hit.instance), hit)};

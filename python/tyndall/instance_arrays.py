@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .scene_description import Instances
+from .scene_description import Instances, PlacedObjects
 
 NO_PARTICLE = NO_ROW = 0xFFFFFFFF  #: As native/scene/scene.hpp has them.
 
@@ -28,7 +28,7 @@ def names_of(groups: list[Instances]) -> tuple[list[str], list[int], NDArray[np.
     return names, name_counts, np.concatenate(indices)
 
 
-def randoms_of(groups: list[Instances]) -> NDArray[np.float32]:
+def randoms_of(groups: Sequence[PlacedObjects]) -> NDArray[np.float32]:
     """Of every instance."""
     each = (np.zeros(len(group.object_names), np.float32) if group.random is None else group.random for group in groups)
     return np.concatenate([np.zeros(0, np.float32), *each])
@@ -70,7 +70,7 @@ def instancer_values_of(groups: list[Instances]) -> tuple[NDArray[np.float32], N
     return np.ascontiguousarray(np.concatenate(found), np.float32), np.concatenate(indices)
 
 
-def colors_of(groups: list[Instances], counts: list[int]) -> NDArray[np.float32]:
+def colors_of(groups: Sequence[PlacedObjects], counts: list[int]) -> NDArray[np.float32]:
     """As often as ``counts`` say, (n, 4)."""
     each = np.array([group.color for group in groups], np.float32).reshape(-1, 4)
     return np.repeat(each, counts, axis=0)

@@ -23,7 +23,7 @@ from .native_textures import TextureFiles, build_texture
 from .native_volumes import build_volumes
 from .native_voxels import build_shapes, relative_matrices, shows_to
 from .native_worlds import build_world
-from .scene_description import Instances, Material, Medium, SceneDescription, TextureUse
+from .scene_description import Instances, Material, Medium, PlacedObjects, SceneDescription, TextureUse
 from .scene_origin import free_places, origin_of, places_of
 from .usable_parts import built
 
@@ -238,6 +238,10 @@ def _build_geometry(description: SceneDescription, parts: NativeParts, progress:
     first_slots = np.cumsum([0, *map(len, slots)])[:-1]
     shapes = build_shapes(description, parts, origin, default_material, reports, progress)
     names, name_counts, name_indices = names_of(groups)
+    named: list[PlacedObjects] = [*groups, *shapes.groups]
+    for placed in shapes.groups:
+        names += placed.object_names
+        name_counts.append(len(placed.object_names))
     # A medium is pointed to by index: one that cannot be used becomes an empty one.
     media = [
         part if part is not None else _build_medium(Medium(name=medium.name))
@@ -256,20 +260,16 @@ def _build_geometry(description: SceneDescription, parts: NativeParts, progress:
         meshes=[parts.meshes[key] for key in mesh_keys],
         mesh_indices=repeated([mesh_index[group.mesh.key] for group in groups], counts, np.uint32),
         world_from_object=relative_matrices([group.world_from_object for group in groups], origin),
-        object_names=names + shapes.object_names,
+        object_names=names,
         name_indices=name_indices,
         first_slot_materials=repeated(first_slots, counts, np.uint32),
         slot_counts=repeated([len(slot) for slot in slots], counts, np.uint16),
         shows_to=repeated([shows_to(group) for group in groups], counts, np.uint8),
         slot_materials=np.array([index for slot in slots for index in slot], dtype=np.uint32),
         randoms=randoms_of(groups),
-        object_colors=colors_of(groups, name_counts),
-        object_indices=repeated([group.pass_index for group in groups], name_counts, np.float32),
-        **lighting_arrays(
-            [*(group.lighting for group in groups), *shapes.lighting],
-            [*name_counts, *(1 for _ in shapes.lighting)],
-            description.light_groups,
-        ),
+        object_colors=colors_of(named, name_counts),
+        object_indices=repeated([group.pass_index for group in named], name_counts, np.float32),
+        **lighting_arrays([group.lighting for group in named], name_counts, description.light_groups),
         **shapes.arguments,
         materials=materials,
         media=media,
@@ -285,7 +285,7 @@ def _build_geometry(description: SceneDescription, parts: NativeParts, progress:
     return KeptGeometry(
         scene=scene,
         origin_in_world=origin,
-        object_names=names + shapes.object_names,
+        object_names=names,
         aov_programs=aov_programs,
         reports=reports,
         places=places if follows else np.zeros((0, 3)),

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _native
+from .instance_arrays import randoms_of
 from .scene_description import Instances, StrandObjects
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .native_scene import NativeParts
-    from .scene_description import ObjectLighting, PlacedObjects, SceneDescription, VoxelObjects
+    from .scene_description import PlacedObjects, SceneDescription, VoxelObjects
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,8 +24,7 @@ class BuiltShapes:
     """What a native scene takes of voxel objects and strands."""
 
     arguments: dict[str, Any]
-    object_names: list[str]
-    lighting: list[ObjectLighting | None]  #: Of each name.
+    groups: list[VoxelObjects | StrandObjects]  #: Whose placements have a name each.
 
 
 def build_shapes(
@@ -55,9 +55,9 @@ def build_shapes(
                 [default_material if group.material is None else group.material for group in groups], np.uint32
             ),
             "shape_shows_to": repeated([shows_to(group) for group in groups], np.uint8),
+            "shape_randoms": randoms_of(groups),
         },
-        object_names=[name for group in groups for name in group.object_names],
-        lighting=[group.lighting for group in groups for _ in group.object_names],
+        groups=groups,
     )
 
 

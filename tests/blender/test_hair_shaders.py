@@ -7,7 +7,9 @@ All but the hair is black: nothing else is compared. Cycles' I0 is a series cut 
 from __future__ import annotations
 
 import math
+import tempfile
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -16,6 +18,7 @@ import pytest
 from mathutils import Vector
 
 from support.hair_scenes import agree, both_engines, furry, made_by_nodes, stage
+from support.pass_pictures import render_passes
 from support.small_scenes import add, material, mesh, node, read
 
 IS_OLD = bpy.app.version < (4, 0, 0)
@@ -203,3 +206,43 @@ def test_huangs_model_is_named() -> None:
     patch.data.materials[1] = hair_look("ShaderNodeBsdfHairPrincipled", {"model": "HUANG"}, {})
     (line,) = [line for line in read().reports if "Hair look" in line]
     assert line == "Material \"Hair look\": Principled Hair BSDF's model HUANG is drawn as Chiang's"
+
+
+def told_of_object(new, link):  # noqa: ANN001, ANN201
+    """Colour and random number of the object, and its index, as light."""
+    info, emission, sum_of_all = new("ShaderNodeObjectInfo"), new("ShaderNodeEmission"), new("ShaderNodeVectorMath")
+    numbers = new("ShaderNodeCombineXYZ")
+    link(info.outputs["Random"], numbers.inputs[0])
+    link(info.outputs["Object Index"], numbers.inputs[1])
+    link(info.outputs["Color"], sum_of_all.inputs[0])
+    link(numbers.outputs[0], sum_of_all.inputs[1])
+    link(sum_of_all.outputs[0], emission.inputs["Color"])
+    return emission.outputs[0]
+
+
+# Seen to fail: white ones of number 0, as they were.
+@pytest.mark.dealt
+@pytest.mark.parametrize("kind", ["particles", "curves", "points"])
+def test_strands_and_points_tell_of_their_object_as_in_cycles(kind: str) -> None:
+    scene = stage()
+    scene.view_layers[0].use_pass_object_index = True
+    told = material("Told", told_of_object)
+    if kind == "particles":
+        thing = furry(scene, "THICK")
+        thing.data.materials[1] = told
+    elif kind == "curves":
+        arc = {"Resolution": 5, "Start": (-0.8, 0.0, -0.3), "Middle": (0.0, 0.8, 1.6), "End": (0.8, -0.3, -0.3)}
+        nodes = [("GeometryNodeCurveQuadraticBezier", arc), ("GeometryNodeCurveSplineType", {})]
+        nodes += [("GeometryNodeSetCurveRadius", {"Radius": 0.2}), ("GeometryNodeSetMaterial", {"Material": told})]
+        thing = made_by_nodes(bpy.data.hair_curves.new("Hair"), nodes)
+    else:
+        nodes = [("GeometryNodeMeshToPoints", {"Radius": 0.4}), ("GeometryNodeSetMaterial", {"Material": told})]
+        thing = made_by_nodes(mesh("Corners", [(-0.6, 0, 0.4), (0.6, 0, 0.4)], []), nodes)
+    thing.color, thing.pass_index = (0.2, 0.9, 0.4, 1.0), 3
+    for name in {"Floor", "Skin"} & set(bpy.data.materials.keys()):  # Cycles lights them by what glows
+        bpy.data.materials[name].node_tree.nodes["Diffuse BSDF"].inputs["Color"].default_value = BLACK
+    agree(f"told_{kind}", *both_engines(scene, 36))
+    with tempfile.TemporaryDirectory() as folder:
+        planes = render_passes(scene, Path(folder), "TYNDALL", 1).planes
+    index = planes.get("IndexOB", planes.get("Object Index"))
+    assert set(np.unique(index)) == {0.0, 3.0}

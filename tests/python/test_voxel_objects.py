@@ -284,3 +284,20 @@ def test_an_object_without_a_place_is_left_out_by_its_name() -> None:
     dag, _ = scattered()
     film = picture(scene(dag, "sun", np.full((4, 4), np.nan)), "EXACT")
     assert "object 'thing' left out: its transform is not finite" in film.statistics["reports"]
+
+
+def test_the_object_index_is_that_of_a_mesh() -> None:
+    """Seen to fail: voxels had none."""
+    voxels, mesh = scattered()
+    of_voxels, of_mesh = scene(voxels, "sun"), scene(mesh, "sun")
+    (thing,), (meshed, *others) = of_voxels.voxel_objects, of_mesh.instances
+    of_voxels = replace(of_voxels, voxel_objects=(replace(thing, pass_index=7.0),))
+    of_mesh = replace(of_mesh, instances=(replace(meshed, pass_index=7.0), *others))
+    config = RenderConfig(pixel_samples=1, passes=frozenset({"IndexOB"}))
+    planes = []
+    for description in (of_voxels, of_mesh):
+        session = Session()
+        session.update(description, Progress())
+        planes.append(session.render(CAMERA, config, Progress()).planes["IndexOB"])
+    assert set(np.unique(planes[1])) == {0.0, 7.0}
+    assert np.mean(planes[0] == planes[1]) > 0.995

@@ -80,6 +80,9 @@ class PlacedObjects:
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
     is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
     lighting: ObjectLighting | None = None  #: None: as it begins.
+    color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  #: The object's own, for materials that ask.
+    pass_index: float = 0.0
+    random: NDArray[np.float32] | None = None  #: (count,) in [0, 1), for materials that ask; None: all 0.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,9 +92,6 @@ class Instances(PlacedObjects):
     mesh: Mesh
     materials: tuple[int, ...]  #: Per material slot, into SceneDescription.materials.
     lights_media: bool = True  #: Its light falls on media.
-    color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)  #: The object's own, for materials that ask.
-    pass_index: float = 0.0
-    random: NDArray[np.float32] | None = None  #: (count,) in [0, 1), for materials that ask; None: all 0.
     #: (count, 14), for materials that ask which particle each is: its index, a random number in [0, 1), age and
     #: lifetime in frames, size; location, velocity and angular velocity in the world. NaN: none. None: none is one.
     particles: NDArray[np.float32] | None = None
