@@ -80,13 +80,14 @@ class StrandReader:
     ) -> tuple[StrandObjects, ...]:
         """Of placements that are strands. What has none is left out, with a report."""
         form, pieces = _form_of(depsgraph.scene_eval)
+        of_passes = frozenset({""} if depsgraph.view_layer_eval.use_pass_uv else ())
         groups = []
         live: dict[tuple[object, ...], tuple[Strands | None, set[int]]] = {}
         for placement in placements:
             poll()
             note_unread(placement, reports)
             material = materials.index(placement.materials[_slot_of(placement)], placement)
-            asked = frozenset(uv_maps_of(materials.materials[material]))
+            asked = of_passes.union(uv_maps_of(materials.materials[material]))
             key = (placement.data.as_pointer(), placement.hair, form, pieces, asked)
             if key not in live:
                 live[key] = self._live.get(key) or (

@@ -3,6 +3,7 @@
 #include "core/errors.hpp"
 #include "core/parallel.hpp"
 #include "render/matte_id.hpp"
+#include "scene/strands.hpp"
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
@@ -44,8 +45,14 @@ static float clearness(const Camera& camera, const vec3& position, const MistRan
 
 /// The active UV map at the hit; false where there is none.
 static bool find_uv(const Scene& scene, const Hit& hit, vec2& uv) {
-    if (scene.placed_shape(hit.instance) != nullptr)
-        return false;
+    if (const PlacedShape* const placed = scene.placed_shape(hit.instance)) {
+        const Strands* const strands = scene.description().shapes[placed->shape_index]->strands();
+        const std::optional<vec2> of_strand =
+            strands != nullptr ? strands->active_uv(static_cast<std::uint32_t>(hit.cell), hit.barycentrics)
+                               : std::nullopt;
+        uv = of_strand.value_or(uv);
+        return of_strand.has_value();
+    }
     const SceneDescription& description = scene.description();
     const SharedMeshArrays& mesh = description.meshes[description.instances[hit.instance].mesh_index]->arrays();
     const SharedMeshArrays::UvMap* map = mesh.uv_map("");

@@ -317,9 +317,19 @@ vec2 Strands::look_up(std::string_view name, std::uint32_t segment, vec2 on, con
     }
     if (name == attribute_pairs::red_green || name == attribute_pairs::blue_alpha)
         return {0.0f, 0.0f}; // hair and points have no active colour, as in Cycles
+    const StrandArrays::Map* const map = find_map(name);
+    return map == nullptr ? vec2(0.0f) : value_of(*map, segment, on.x);
+}
+
+std::optional<vec2> Strands::active_uv(std::uint32_t segment, vec2 on) const {
+    const StrandArrays::Map* const map = find_map("");
+    return map == nullptr ? std::nullopt : std::optional(value_of(*map, segment, on.x));
+}
+
+const StrandArrays::Map* Strands::find_map(std::string_view name) const {
     const auto found = std::ranges::find_if(
         arrays_.maps, [&](const StrandArrays::Map& map) { return attribute_pairs::answers(map.name, name); });
-    return found == arrays_.maps.end() ? vec2(0.0f) : value_of(*found, segment, on.x);
+    return found == arrays_.maps.end() ? nullptr : &*found;
 }
 
 const TriangleBvh& Strands::tubes(const Progress& progress) const {

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -77,10 +78,13 @@ public:
     /// normal, along: of the strand, as strand_maps tells them.
     [[nodiscard]] vec2 look_up(std::string_view name, std::uint32_t segment, vec2 on, const vec3& normal,
                                const vec3& along = vec3(0.0f)) const;
+    /// What the name "" stands for; nothing: there is no such map.
+    [[nodiscard]] std::optional<vec2> active_uv(std::uint32_t segment, vec2 on) const;
     /// Of triangles, as wide on average over all sides; built when first asked for.
     [[nodiscard]] const TriangleBvh& tubes(const Progress& progress) const;
 
 private:
+    [[nodiscard]] const StrandArrays::Map* find_map(std::string_view name) const;
     void drop_unusable();
     void build(const Progress& progress);
     [[nodiscard]] std::uint32_t strand_of(std::uint32_t segment) const;
