@@ -191,9 +191,10 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
            const py::array& object_sets, const py::array& object_links,
            const std::vector<std::shared_ptr<ShapeGeometry>>& shapes, const py::array& shape_indices,
            const py::array& world_from_shape, const py::array& shape_materials, const py::array& shape_shows_to,
-           const py::array& shape_randoms, std::vector<Material> materials, std::vector<Medium> media, std::vector<VolumeInstance> volumes,
-           std::int32_t world_medium, const py::array& particles, const py::array& instance_particles,
-           const py::array& instancer_values, const py::array& instancer_rows, const Progress& progress) {
+           const py::array& shape_randoms, std::vector<Material> materials, std::vector<Medium> media,
+           std::vector<VolumeInstance> volumes, std::int32_t world_medium, const py::array& particles,
+           const py::array& instance_particles, const py::array& instancer_values, const py::array& instancer_rows,
+           const Progress& progress) {
     const py::ssize_t count = mesh_indices.size();
     SceneDescription description;
     description.origin_in_world = {origin_in_world[0], origin_in_world[1], origin_in_world[2]};
@@ -314,8 +315,9 @@ float32 (strands, 2) or (n, 2); randoms: float32 (strands,) or None. Releases th
              "object_names"_a, "name_indices"_a, "first_slot_materials"_a, "slot_counts"_a, "shows_to"_a,
              "slot_materials"_a, "randoms"_a, "object_colors"_a, "object_indices"_a, "object_light_groups"_a,
              "object_sets"_a, "object_links"_a, "shapes"_a, "shape_indices"_a, "world_from_shape"_a,
-             "shape_materials"_a, "shape_shows_to"_a, "shape_randoms"_a, "materials"_a, "media"_a, "volumes"_a, "world_medium"_a,
-             "particles"_a, "instance_particles"_a, "instancer_values"_a, "instancer_rows"_a, "progress"_a,
+             "shape_materials"_a, "shape_shows_to"_a, "shape_randoms"_a, "materials"_a, "media"_a, "volumes"_a,
+             "world_medium"_a, "particles"_a, "instance_particles"_a, "instancer_values"_a, "instancer_rows"_a,
+             "progress"_a,
              R"(In the dark, see relit. Per instance: mesh_indices and first_slot_materials uint32, slot_counts uint16,
 shows_to uint8, a bit each for cameras, lights' shadows, bounces, mirrors and glass, and one each for what is
 held out, for shadow catchers and for what lights media, world_from_object float32 (n, 4, 4)
