@@ -180,12 +180,16 @@ def _island(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
 
 
 def _generated(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
-    """(vertices, 3), as Cycles scales them."""
     undeformed = np.empty((len(mesh.vertices), 3), np.float32)
     mesh.vertices.foreach_get("undeformed_co", undeformed.reshape(-1))
+    return in_texture_space(mesh, undeformed)
+
+
+def in_texture_space(mesh: bpy.types.Mesh, places: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(places, 3), as Cycles scales them."""
     location, size = (np.array(value, np.float32) for value in (mesh.texspace_location, mesh.texspace_size))
     per_metre = np.divide(np.float32(0.5), size, out=np.zeros(3, np.float32), where=size != 0.0)
-    scaled: NDArray[np.float32] = (undeformed - location) * per_metre + np.float32(0.5)
+    scaled: NDArray[np.float32] = (places - location) * per_metre + np.float32(0.5)
     return scaled
 
 

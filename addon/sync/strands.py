@@ -20,11 +20,11 @@ from tyndall.linear_colours import linear_from_srgb
 from tyndall.scene_description import StrandForm, StrandObjects, Strands, attribute_maps, point_maps
 
 from .asking_materials import note_unread
-from .mesh_attributes import told_of, uv_maps_of
+from .mesh_attributes import GENERATED, in_texture_space, made_maps, told_of, uv_maps_of
 from .random_numbers import as_unit_floats, hashes_of_two
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
     from bpy.types import Depsgraph, Object, ParticleSystem, ParticleSystemModifier
     from mathutils import Matrix
@@ -264,7 +264,18 @@ def _particle_hair(
     points[..., :3] = places
     points[..., 3] = _radii(settings, places)
     firsts = np.arange(len(numbers), dtype=np.uint32) * np.uint32(steps)
-    return points.reshape(-1, 4), firsts, _on_emitter(source, modifier, numbers, asked)
+    maps = (*_on_emitter(source, modifier, numbers, asked), *_generated_at(points[:, 0, :3], source.data, asked))
+    return points.reshape(-1, 4), firsts, maps
+
+
+def _generated_at(
+    roots: NDArray[np.float32], emitter: bpy.types.Mesh, asked: frozenset[str]
+) -> Iterator[tuple[str, NDArray[np.float32]]]:
+    """Curves and points have no texture space: native code takes their places in the object, as Cycles does."""
+    names = made_maps(GENERATED)
+    if asked.intersection(names):
+        values = np.column_stack([in_texture_space(emitter, roots), np.ones(len(roots), np.float32)])
+        yield from zip(names, (np.ascontiguousarray(values[:, :2]), np.ascontiguousarray(values[:, 2:])), strict=True)
 
 
 def _radii(settings: bpy.types.ParticleSettings, places: NDArray[np.float64]) -> NDArray[np.float64]:

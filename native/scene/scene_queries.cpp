@@ -200,6 +200,7 @@ ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& p
     const PlacedShape* const placed = placed_shape(hit.instance);
     const mat4& object_from_scene = geometry_->objects_from_scene[hit.instance];
     const std::vector<ObjectInfo>& infos = description().object_infos;
+    const float random = placed != nullptr ? placed->random : description().instances[hit.instance].random;
     ProgramPoint at{.surface = point,
                     .ray_kind = asking.kind,
                     .is_of_light = asking.is_of_light,
@@ -214,7 +215,7 @@ ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& p
                                                         : &description().instances[hit.instance].world_from_object,
                                .object_from_scene = &object_from_scene,
                                .info = infos.empty() ? nullptr : &infos[description().name_index_of(hit.instance)],
-                               .random = placed != nullptr ? placed->random : description().instances[hit.instance].random,
+                               .random = random,
                                .particle = description().particle_of(hit.instance),
                                .instancer_values = description().instancer_values_of(hit.instance)},
                     .object_normal = placed != nullptr ? vec3(0.0f) : smooth_normal(mesh_of(hit.instance), hit)};
@@ -256,8 +257,8 @@ SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& poi
             const vec3 tangent =
                 mat3(placed->world_from_object) * strands->on_spline(segment, hit.barycentrics.x).tangent;
             for (const std::string& name : surface.uv_map_names)
-                uvs.push_back(
-                    strands->look_up(name, segment, hit.barycentrics, across(tangent, -asking.ray.direction), tangent));
+                uvs.push_back(strands->look_up(name, segment, hit.barycentrics, across(tangent, -asking.ray.direction),
+                                               tangent, at.object_position));
         } else if (placed != nullptr) {
             const CellShape& shape = *shape_of(*placed).cells();
             look_up_uvs(shape, shape.look(hit.cell), surface, uvs);

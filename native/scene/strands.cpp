@@ -286,8 +286,8 @@ vec2 strand_maps::of_edge(std::string_view name, const SharedMeshArrays& mesh, s
     return is_xy ? vec2(along.x, along.y) : vec2(along.z, 0.0f);
 }
 
-vec2 Strands::look_up(std::string_view name, std::uint32_t segment, vec2 on, const vec3& normal,
-                      const vec3& along) const {
+vec2 Strands::look_up(std::string_view name, std::uint32_t segment, vec2 on, const vec3& normal, const vec3& along,
+                      const vec3& place) const {
     if (name.starts_with(strand_maps::along_xy))
         return {along.x, along.y};
     if (name.starts_with(strand_maps::along_z))
@@ -318,7 +318,9 @@ vec2 Strands::look_up(std::string_view name, std::uint32_t segment, vec2 on, con
     if (name == attribute_pairs::red_green || name == attribute_pairs::blue_alpha)
         return {0.0f, 0.0f}; // hair and points have no active colour, as in Cycles
     const StrandArrays::Map* const map = find_map(name);
-    return map == nullptr ? vec2(0.0f) : value_of(*map, segment, on.x);
+    if (map != nullptr)
+        return value_of(*map, segment, on.x);
+    return name == generated_xy ? vec2(place) : name == generated_zw ? vec2(place.z, 1.0f) : vec2(0.0f);
 }
 
 std::optional<vec2> Strands::active_uv(std::uint32_t segment, vec2 on) const {

@@ -75,9 +75,9 @@ public:
     [[nodiscard]] StrandPoint on_spline(std::uint32_t segment, float along) const;
     [[nodiscard]] Bounds3 segment_bounds(std::uint32_t segment) const;
     /// What a program reads there under a name of uv_map_names; (0, 0) where there is no such thing.
-    /// normal, along: of the strand, as strand_maps tells them.
+    /// normal, along: of the strand, as strand_maps tells them; place: in object space.
     [[nodiscard]] vec2 look_up(std::string_view name, std::uint32_t segment, vec2 on, const vec3& normal,
-                               const vec3& along = vec3(0.0f)) const;
+                               const vec3& along = vec3(0.0f), const vec3& place = vec3(0.0f)) const;
     /// What the name "" stands for; nothing: there is no such map.
     [[nodiscard]] std::optional<vec2> active_uv(std::uint32_t segment, vec2 on) const;
     /// Of triangles, as wide on average over all sides; built when first asked for.
@@ -98,6 +98,9 @@ private:
     mutable std::mutex tubes_mutex_;
     mutable std::shared_ptr<const TriangleBvh> tubes_; ///< Shared, not unique: deleted where the type is unknown.
 };
+
+/// What programs read of any surface's texture space; strands and points without one have their places, as in Cycles.
+inline constexpr std::string_view generated_xy = "\x1fxy generated", generated_zw = "\x1fzw generated";
 
 /// Names under which programs read of strands what Cycles' Hair Info node tells. Meshes and cells have none of it: 0.
 namespace strand_maps {

@@ -220,13 +220,23 @@ def told_of_object(new, link):  # noqa: ANN001, ANN201
     return emission.outputs[0]
 
 
-# Seen to fail: white ones of number 0, as they were.
+def told_of_place(new, link):  # noqa: ANN001, ANN201
+    """Generated coordinates, which begin below 0 where there is no texture space."""
+    emission, moved = new("ShaderNodeEmission"), node(new, "ShaderNodeVectorMath")
+    moved.inputs[1].default_value = (1.0, 1.0, 1.0)
+    link(new("ShaderNodeTexCoord").outputs["Generated"], moved.inputs[0])
+    link(moved.outputs[0], emission.inputs["Color"])
+    return emission.outputs[0]
+
+
+# Seen to fail: white objects of number 0 and coordinates of 0, as all of them were.
 @pytest.mark.dealt
+@pytest.mark.parametrize("build", [told_of_object, told_of_place])
 @pytest.mark.parametrize("kind", ["particles", "curves", "points"])
-def test_strands_and_points_tell_of_their_object_as_in_cycles(kind: str) -> None:
+def test_strands_and_points_tell_of_their_object_as_in_cycles(kind: str, build: Callable[..., Any]) -> None:
     scene = stage()
     scene.view_layers[0].use_pass_object_index = True
-    told = material("Told", told_of_object)
+    told = material("Told", build)
     if kind == "particles":
         thing = furry(scene, "THICK")
         thing.data.materials[1] = told
@@ -241,7 +251,7 @@ def test_strands_and_points_tell_of_their_object_as_in_cycles(kind: str) -> None
     thing.color, thing.pass_index = (0.2, 0.9, 0.4, 1.0), 3
     for name in {"Floor", "Skin"} & set(bpy.data.materials.keys()):  # Cycles lights them by what glows
         bpy.data.materials[name].node_tree.nodes["Diffuse BSDF"].inputs["Color"].default_value = BLACK
-    agree(f"told_{kind}", *both_engines(scene, 36))
+    agree(f"{build.__name__}_{kind}", *both_engines(scene, 36))
     with tempfile.TemporaryDirectory() as folder:
         planes = render_passes(scene, Path(folder), "TYNDALL", 1).planes
     index = planes.get("IndexOB", planes.get("Object Index"))
