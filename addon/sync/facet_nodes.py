@@ -12,6 +12,7 @@ from tyndall.scene_description import FacetDistribution
 from tyndall.surface_inputs import PointInput
 
 from . import coordinates
+from .hair_nodes import default_tangent
 from .lobe_values import Facets
 from .math_nodes import math_operation, turned, vector_operation
 from .program import BLACK, WHITE, Term, Value, grey
@@ -70,7 +71,7 @@ def _tangent(reader: ValueReader, at: Socket, wider: Value, rotation: Socket | N
     """As long as facets are ``wider`` along it. ``rotation``: whole turns about ``normal``, None: the point's own."""
     program, given = reader.program, at.input("Tangent")
     is_given = given is not None and given.is_connected()
-    tangent = reader.vector(given) if is_given else coordinates.radial_tangent(program, "Z")
+    tangent = reader.vector(given) if is_given else default_tangent(program)
     turns = reader.number(rotation)
     if turns != BLACK:
         axis = coordinates.point_input(program, PointInput.NORMAL) if normal is None else normal

@@ -18,6 +18,7 @@ from tyndall.scene_description import Code, LobeModel, hair_maps
 
 from . import coordinates
 from .lobe_values import LobeValues
+from .math_nodes import vector_operation
 from .program import BLACK, WHITE, Program, Value, grey
 
 if TYPE_CHECKING:
@@ -115,7 +116,17 @@ def hair_vector(program: Program, xy: str, z: str) -> Value:
     )
 
 
+def default_tangent(program: Program) -> Value:
+    """Cycles' where none is given: of strands along them, elsewhere around the texture space's Z."""
+    around = coordinates.radial_tangent(program, "Z")
+    along = vector_operation(program, "NORMALIZE", _along(program, ""))
+    return program.add(around, program.multiply(hair_number(program, "is", 0), program.subtract(along, around)))
+
+
 def _along(program: Program, corners: str) -> Value:
-    """From a strand's root to its tip; on meshes between these corners of a triangle, as Cycles parametrizes it."""
+    """From a strand's root to its tip; on meshes between these corners of a triangle, as Cycles parametrizes it.
+
+    Without corners 0 there.
+    """
     maps = hair_maps()
     return hair_vector(program, maps["axy"] + corners, maps["az"] + corners)

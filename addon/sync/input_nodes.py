@@ -14,7 +14,7 @@ from . import coordinates
 from .asked_properties import ATTRIBUTE, GENERATED, UV
 from .coordinates import point_input
 from .domains import MID_GREY, Domain, on_surfaces
-from .hair_nodes import hair_number, hair_vector
+from .hair_nodes import default_tangent, hair_number, hair_vector
 from .math_nodes import math_operation, vector_operation
 from .mesh_attributes import ISLAND, POINTINESS, tangent_of, told_of
 from .point_nodes import point_position, point_radius, point_random
@@ -204,7 +204,7 @@ def _geometry(reader: ValueReader, at: Socket) -> Value:
     if output in _GEOMETRY:
         return point_input(program, _GEOMETRY[output])
     if output == "Tangent":
-        return coordinates.radial_tangent(program, "Z")
+        return default_tangent(program)
     return coordinates.made(program, POINTINESS if output == "Pointiness" else ISLAND)
 
 
