@@ -27,7 +27,7 @@ from .mesh_attributes import asked_of_meshes
 from .meshes import passing_mesh, read_mesh
 from .object_lighting import light_groups, report_left_out
 from .occluder_edits import OccluderEditReader
-from .random_numbers import as_unit_floats
+from .placed_objects import placed
 from .relit_scene import (
     MovedMesh,
     Name,
@@ -378,20 +378,8 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader, media: L
     receiver_set = 0 if placement.lighting is None else placement.lighting.receiver_set
     return Instances(
         mesh=mesh,
-        world_from_object=placement.world_from_object(),
-        object_names=(placement.object_name,) * len(placement.matrices),
         materials=tuple(media.material_in(index, receiver_set) for index in materials.indices(placement)),
-        is_camera_visible=placement.is_camera_visible,
-        casts_shadow=placement.casts_shadow,
-        is_bounce_visible=placement.is_bounce_visible,
-        is_mirror_visible=placement.is_mirror_visible,
-        is_glass_visible=placement.is_glass_visible,
         lights_media=placement.lights_media,
-        is_held_out=placement.is_held_out,
-        is_shadow_catcher=placement.is_shadow_catcher,
-        lighting=placement.lighting,
-        color=placement.color,
-        pass_index=float(placement.pass_index),
-        random=as_unit_floats(placement.random_numbers),
+        **placed(placement),
         **placement.told,
     )

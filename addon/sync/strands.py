@@ -10,21 +10,21 @@ hairs that were read when a viewport interrupted.
 from __future__ import annotations
 
 import hashlib
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
 
-from tyndall.linear_colours import linear_from_srgb
-from tyndall.scene_description import StrandForm, StrandObjects, Strands, attribute_maps, point_maps
+from tyndall.scene_description import StrandForm, StrandObjects, Strands
 
 from .asking_materials import note_unread
-from .mesh_attributes import GENERATED, in_texture_space, made_maps, told_of, uv_maps_of
+from .mesh_attributes import uv_maps_of
+from .placed_objects import placed
 from .random_numbers import as_unit_floats, hashes_of_two
+from .strand_maps import StrandMaps, attributes_of, generated_at, on_emitter, point_info
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable
 
     from bpy.types import Depsgraph, Object, ParticleSystem, ParticleSystemModifier
     from mathutils import Matrix
@@ -38,7 +38,6 @@ _FORMS = {"RIBBONS": StrandForm.RIBBON, "THICK": StrandForm.ROUND, "THICK_LINEAR
 _CURVE_RADIUS_M, _POINT_RADIUS_M = 0.005, 0.01  #: Where there is no such attribute.
 _MOST_PIECES = 16
 _POLL_EVERY = 256  #: Hairs.
-_ROOT_UVS = "surface_uv_coordinate"  #: The active UV map of hair curves, as Cycles names it.
 
 
 def is_strands(placement: Placement) -> bool:
@@ -131,13 +130,13 @@ class StrandReader:
             form, pieces = StrandForm.SPHERES, 1
             points = _points(placement.data, len(placement.data.points), _POINT_RADIUS_M)
             firsts = np.zeros(0, np.uint32)
-            maps = (*_attributes(placement.data, asked), *_of_points(points, asked))
+            maps = (*attributes_of(placement.data, asked), *point_info(points, asked))
         else:
             points = _points(placement.data, len(placement.data.points), _CURVE_RADIUS_M)
             firsts = np.zeros(len(placement.data.curves), np.int32)
             placement.data.curves.foreach_get("first_point_index", firsts)
             firsts = firsts.astype(np.uint32)
-            maps = _attributes(placement.data, asked)
+            maps = attributes_of(placement.data, asked)
             if bpy.app.version >= (5, 0, 0) and _has_poly_curves(placement.data):
                 reports.add(name, "poly curves are drawn smooth; Cycles 5.0 draws them straight from point to point")
         if len(points) == 0:
@@ -153,7 +152,7 @@ class StrandReader:
         pieces: int,
         points: NDArray[np.float32],
         firsts: NDArray[np.uint32],
-        maps: tuple[tuple[str, NDArray[np.float32]], ...],
+        maps: StrandMaps,
         randoms: NDArray[np.float32] | None,
     ) -> Strands:
         digest = hashlib.sha256(repr((form, pieces, points.shape, [known for known, _ in maps])).encode())
@@ -191,24 +190,12 @@ def _slot_of(placement: Placement) -> int:
 def _group(placement: Placement, strands: Strands, material: int) -> StrandObjects:
     return StrandObjects(
         strands=strands,
-        world_from_object=placement.world_from_object(),
-        object_names=(placement.object_name,) * len(placement.matrices),
         material=material,
-        is_camera_visible=placement.is_camera_visible,
-        casts_shadow=placement.casts_shadow,
-        is_bounce_visible=placement.is_bounce_visible,
-        is_mirror_visible=placement.is_mirror_visible,
-        is_glass_visible=placement.is_glass_visible,
-        is_held_out=placement.is_held_out,
-        is_shadow_catcher=placement.is_shadow_catcher,
-        lighting=placement.lighting,
-        color=placement.color,
-        pass_index=float(placement.pass_index),
-        random=as_unit_floats(placement.random_numbers),
+        **placed(placement),
     )
 
 
-_Read = tuple["NDArray[np.float32]", "NDArray[np.uint32]", "tuple[tuple[str, NDArray[np.float32]], ...]"]
+_Read = tuple["NDArray[np.float32]", "NDArray[np.uint32]", StrandMaps]
 
 
 class _HairPlaces:
@@ -264,18 +251,8 @@ def _particle_hair(
     points[..., :3] = places
     points[..., 3] = _radii(settings, places)
     firsts = np.arange(len(numbers), dtype=np.uint32) * np.uint32(steps)
-    maps = (*_on_emitter(source, modifier, numbers, asked), *_generated_at(points[:, 0, :3], source.data, asked))
+    maps = (*on_emitter(source, modifier, numbers, asked), *generated_at(points[:, 0, :3], source.data, asked))
     return points.reshape(-1, 4), firsts, maps
-
-
-def _generated_at(
-    roots: NDArray[np.float32], emitter: bpy.types.Mesh, asked: frozenset[str]
-) -> Iterator[tuple[str, NDArray[np.float32]]]:
-    """Curves and points have no texture space: native code takes their places in the object, as Cycles does."""
-    names = made_maps(GENERATED)
-    if asked.intersection(names):
-        values = np.column_stack([in_texture_space(emitter, roots), np.ones(len(roots), np.float32)])
-        yield from zip(names, (np.ascontiguousarray(values[:, :2]), np.ascontiguousarray(values[:, 2:])), strict=True)
 
 
 def _radii(settings: bpy.types.ParticleSettings, places: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -294,39 +271,6 @@ def _radii(settings: bpy.types.ParticleSettings, places: NDArray[np.float64]) ->
     return radii
 
 
-def _on_emitter(
-    source: Object, modifier: ParticleSystemModifier, numbers: range, asked: Iterable[str]
-) -> tuple[tuple[str, NDArray[np.float32]], ...]:
-    """What materials ask of the emitter's UV maps and colours, at the roots."""
-    system, mesh = modifier.particle_system, source.data
-    uv_layers, colours = list(mesh.uv_layers), list(mesh.vertex_colors)
-    particles = list(system.particles)
-
-    def values(read: Callable[..., Iterable[float]], width: int) -> NDArray[np.float32]:
-        rows = [
-            tuple(read(modifier, particles[min(number, len(particles) - 1)], particle_no=number))[:width]
-            for number in numbers
-        ]
-        return np.array(rows, np.float32).reshape(-1, width)
-
-    maps: dict[str, NDArray[np.float32]] = {}
-    of_colours = attribute_maps("")[0]
-    for name in sorted(asked):
-        is_asked = [one.active_render if not name else one.name == name for one in uv_layers]
-        uv = is_asked.index(True) if any(is_asked) else None
-        if uv is not None:
-            maps[uv_layers[uv].name] = values(partial(system.uv_on_emitter, uv_no=uv), 2)
-        elif name.startswith(of_colours):
-            wanted = name[len(of_colours) :]
-            colour = next((at for at, one in enumerate(colours) if one.name == wanted), None)
-            if colour is not None:
-                stored = linear_from_srgb(values(partial(system.mcol_on_emitter, vcol_no=colour), 3))
-                pair = attribute_maps(wanted)
-                maps[pair[0]] = np.ascontiguousarray(stored[:, :2])
-                maps[pair[1]] = np.column_stack([stored[:, 2], np.ones(len(stored), np.float32)])
-    return tuple(maps.items())
-
-
 def _points(data: Any, count: int, default_radius_m: float) -> NDArray[np.float32]:  # noqa: ANN401  Curves, PointCloud
     points = np.zeros((count, 4), np.float32)
     if count == 0:  # it may lack the attributes, too
@@ -340,18 +284,6 @@ def _points(data: Any, count: int, default_radius_m: float) -> NDArray[np.float3
     return points
 
 
-def _of_points(points: NDArray[np.float32], asked: frozenset[str]) -> tuple[tuple[str, NDArray[np.float32]], ...]:
-    """What Point Info tells, if a material asks."""
-    xy, zr, random = point_maps()
-    randoms = as_unit_floats(hashes_of_two(len(points) if random in asked else 0))
-    made = {
-        xy: points[:, :2],
-        zr: points[:, 2:],
-        random: np.column_stack([randoms, np.ones(len(randoms), np.float32)]),
-    }
-    return tuple((name, np.ascontiguousarray(values)) for name, values in made.items() if name in asked)
-
-
 def _has_poly_curves(data: Any) -> bool:  # noqa: ANN401  Curves
     """Without the attribute all are Catmull-Rom."""
     stored = data.attributes.get("curve_type")
@@ -360,49 +292,3 @@ def _has_poly_curves(data: Any) -> bool:  # noqa: ANN401  Curves
     kinds = np.empty(len(stored.data), np.int32)
     stored.data.foreach_get("value", kinds)
     return bool((kinds == 1).any())
-
-
-#: Properties of an attribute's elements, and how many numbers they are.
-_VALUES = {
-    "FLOAT": ("value", 1),
-    "INT": ("value", 1),
-    "BOOLEAN": ("value", 1),
-    "FLOAT2": ("vector", 2),
-    "FLOAT_VECTOR": ("vector", 3),
-    "FLOAT_COLOR": ("color", 4),
-    "BYTE_COLOR": ("color", 4),
-}
-
-
-def _attributes(
-    data: Any,  # noqa: ANN401  Curves, PointCloud
-    asked: Iterable[str],
-) -> tuple[tuple[str, NDArray[np.float32]], ...]:
-    """Of what materials ask, one per strand or per point, as it is stored."""
-    maps: dict[str, NDArray[np.float32]] = {}
-    of_colours, tells = attribute_maps("")[0], told_of("")
-    for name in sorted(asked):
-        is_colour = name.startswith(of_colours)
-        wanted = name[len(of_colours) :] if is_colour else name.removeprefix(tells) or _ROOT_UVS
-        attribute = data.attributes.get(wanted)
-        if attribute is None or attribute.data_type not in _VALUES:
-            continue
-        if name.startswith(tells):
-            is_pair = attribute.data_type == "FLOAT2"
-            maps[name] = np.full((len(attribute.data), 2), (1.0, 1.0 if is_pair else 0.0), np.float32)
-            continue
-        field, width = _VALUES[attribute.data_type]
-        stored = np.empty(len(attribute.data) * width, np.float32)
-        attribute.data.foreach_get(field, stored)
-        values = stored.reshape(-1, width)
-        if not is_colour:
-            both = np.repeat(values, 2, axis=1) if width == 1 else values
-            maps[attribute.name] = np.ascontiguousarray(both[:, :2])
-            continue
-        four = np.zeros((len(values), 4), np.float32)
-        four[:, 3] = 1.0
-        four[:, : 3 if width == 1 else width] = values  # a number is a grey colour
-        red_green, blue_alpha = attribute_maps(attribute.name)
-        maps[red_green] = np.ascontiguousarray(four[:, :2])
-        maps[blue_alpha] = np.ascontiguousarray(four[:, 2:])
-    return tuple(maps.items())

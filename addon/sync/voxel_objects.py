@@ -17,7 +17,7 @@ from tyndall.scene_description import VoxelObjects
 from ..voxel_boxes import file_of, is_voxel_box
 from .asking_materials import note_unread
 from .mesh_attributes import what_is_missing
-from .random_numbers import as_unit_floats
+from .placed_objects import placed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -87,18 +87,6 @@ def _group(placement: Placement, dag: VoxelDag, materials: MaterialReader, repor
         reports.add(f'Object "{placement.object_name}"', f"voxels have no {what}, which its material reads")
     return VoxelObjects(
         dag=dag,
-        world_from_object=placement.world_from_object(),
-        object_names=(placement.object_name,) * len(placement.matrices),
         material=material,
-        is_camera_visible=placement.is_camera_visible,
-        casts_shadow=placement.casts_shadow,
-        is_bounce_visible=placement.is_bounce_visible,
-        is_mirror_visible=placement.is_mirror_visible,
-        is_glass_visible=placement.is_glass_visible,
-        is_held_out=placement.is_held_out,
-        is_shadow_catcher=placement.is_shadow_catcher,
-        lighting=placement.lighting,
-        color=placement.color,
-        pass_index=float(placement.pass_index),
-        random=as_unit_floats(placement.random_numbers),
+        **placed(placement),
     )
