@@ -88,7 +88,7 @@ class Placement:
     is_bounce_visible: bool = True
     is_mirror_visible: bool = True
     is_glass_visible: bool = True
-    lights_media: bool = True  #: Of a mesh, if it glows.
+    lights_media: bool = True  #: If it glows.
     is_held_out: bool = False
     is_shadow_catcher: bool = False  #: Of a light: its shadows show on catchers.
     lighting: ObjectLighting | None = None

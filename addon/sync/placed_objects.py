@@ -21,6 +21,7 @@ def placed(placement: Placement) -> dict[str, Any]:
         "is_bounce_visible": placement.is_bounce_visible,
         "is_mirror_visible": placement.is_mirror_visible,
         "is_glass_visible": placement.is_glass_visible,
+        "lights_media": placement.lights_media,
         "is_held_out": placement.is_held_out,
         "is_shadow_catcher": placement.is_shadow_catcher,
         "lighting": placement.lighting,

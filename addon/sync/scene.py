@@ -379,7 +379,6 @@ def _group(placement: Placement, mesh: Mesh, materials: MaterialReader, media: L
     return Instances(
         mesh=mesh,
         materials=tuple(media.material_in(index, receiver_set) for index in materials.indices(placement)),
-        lights_media=placement.lights_media,
         **placed(placement),
         **placement.told,
     )

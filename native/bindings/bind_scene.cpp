@@ -158,6 +158,7 @@ static std::vector<PlacedShape> make_placed_shapes(const py::array& shape_indice
                      .is_bounce_visible = (mask[i] & bounce_mask) != 0,
                      .is_mirror_visible = (mask[i] & mirror_mask) != 0,
                      .is_glass_visible = (mask[i] & glass_mask) != 0,
+                     .lights_media = (mask[i] & lights_media_flag) != 0,
                      .is_held_out = (mask[i] & held_out_flag) != 0,
                      .is_shadow_catcher = (mask[i] & shadow_catcher_flag) != 0,
                      .random = random[i]};

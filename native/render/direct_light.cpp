@@ -45,12 +45,12 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
                 drawn.push_back(aimed.index);
         std::erase_if(lights_, is_drawn);
     }
-    if (!drawn.empty() || !emitters_->triangles().empty()) {
+    if (!drawn.empty() || !emitters_->is_empty()) {
         const StageTimer timer(statistics, "light tree");
         if (auto many = std::make_unique<const ManyLights>(scene, std::move(drawn), emitters_, kept); !many->is_empty())
             many_ = std::move(many);
     }
-    report_glow(statistics, indirect);
+    report_glow(statistics);
     if (has_world_light_ && media.fills_world())
         statistics.report("World \"" + scene.world().name() +
                           "\" shines through its own endless medium, which lets nothing through: bound the fog with a "
@@ -59,22 +59,12 @@ DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& sta
     turns_.assign(light_count(), 1);
 }
 
-void DirectLight::report_glow(Statistics& statistics, const IndirectConfig& indirect) const {
+void DirectLight::report_glow(Statistics& statistics) const {
     const SceneDescription& description = scene_.description();
-    std::vector<const char*> shape_with(description.materials.size(), nullptr);
-    for (const PlacedShape& placed : description.placed_shapes)
-        shape_with[placed.material_index] =
-            description.shapes[placed.shape_index]->cells() != nullptr ? "voxels" : "hair or points";
-    for (std::size_t index = 0; index < description.materials.size(); ++index) {
-        const Material& material = description.materials[index];
-        if (glows_nowhere(material))
-            continue;
-        if (shape_with[index] != nullptr)
-            statistics.report("Material \"" + material.name + "\" glows, but from " + shape_with[index] +
-                              " lights no " +
-                              (indirect.has_bounce ? "fog, and other surfaces by rays that meet it by chance"
-                                                   : "other surface and no fog"));
-    }
+    for (const std::uint32_t shape : emitters_->met_alone())
+        if (!scene_.object_info(shape).links.is_blocked_by_all())
+            statistics.report("Object \"" + description.object_names[description.name_index_of(shape)] +
+                              "\": shadow linking does not reach the glow of voxels, hair and points: all block it");
 }
 
 void DirectLight::prepare_edits(std::span<const std::uint8_t> is_asked, const Camera& camera,
@@ -387,7 +377,7 @@ LaneSet DirectLight::may_meet(std::size_t light, std::span<const SurfacePoint> p
 
 bool DirectLight::is_told_by_rays(std::size_t light) const {
     if (is_many(light)) // where a light stands, no ray to where it is now tells
-        return !many_->has_triangles();
+        return !many_->has_glow();
     return is_world(light) || std::ranges::none_of(scene_.lights()[index_of(light)].occluder_edits,
                                                    [](const OccluderEdit& edit) { return edit.affects_surfaces; });
 }

@@ -78,7 +78,7 @@ public:
     }
     [[nodiscard]] bool is_many(std::size_t light) const { return many_ && light == lights_.size(); }
     [[nodiscard]] bool has_many() const { return many_ != nullptr; }
-    /// All triangles that glow.
+    /// All that glows.
     [[nodiscard]] const MeshEmitters& emitters() const { return *emitters_; }
     /// The light group of one that is not the many.
     [[nodiscard]] std::uint8_t group_of(std::size_t light) const {
@@ -186,11 +186,11 @@ private:
                           Among among, std::vector<RayToLamp>& rays) const;
     /// Whether directions of lobes, too, look for lamps among the many.
     [[nodiscard]] bool finds_lamps(const LobeSet& lobes) const;
-    /// Irradiance from triangles that a ray in a drawn direction meets, or what lobes send back of it; the share of that
+    /// Irradiance from what glows that a ray in a drawn direction meets, or what lobes send back of it; the share of that
     /// strategy. by_group: of each group that is asked for, or empty.
-    [[nodiscard]] Rgb of_triangles(const SurfacePoint& point, const DrawnDirection& drawn, const LobeSet* lobes,
-                                   Among among, std::span<Rgb> by_group) const;
-    void report_glow(Statistics& statistics, const IndirectConfig& indirect) const;
+    [[nodiscard]] Rgb of_glow(const SurfacePoint& point, const DrawnDirection& drawn, const LobeSet* lobes, Among among,
+                              std::span<Rgb> by_group) const;
+    void report_glow(Statistics& statistics) const;
     /// Whether directions of a point's lobes are worth drawing beside rays that are aimed at a lamp with a size.
     [[nodiscard]] static bool may_find(const AimedLight& aimed, const LitSurface& surface, std::size_t point);
     /// What a lamp with a size adds to lobes, in their own directions.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The parts of direct_light.hpp of emitters that light some shaders alone, and of lights that are drawn, not asked each:
-// by the tree, of triangles by the cosine and by lobes' own directions, too, and of lamps with a size by those of sharp
+// by the tree, of what glows by the cosine and by lobes' own directions, too, and of lamps with a size by those of sharp
 // lobes.
 // Based on: Veach, dissertation, Stanford 1997, section 9.2 (power heuristic): a wide plate nearby is met by chance.
 #include "core/sampling.hpp"
@@ -18,8 +18,8 @@ static constexpr std::uint32_t place_pairs = 0x0800'0000, lobe_pairs = 0x1000'00
 static constexpr int most_surfaces_passed = 16;
 
 /// What stands in a ray's way may be no blocker of what it would have met: such emitters are aimed at alone.
-static bool is_met_by_chance(const ManyLights::Aimed& triangle) {
-    return triangle.links == nullptr || triangle.links->is_blocked_by_all();
+static bool is_met_by_chance(const ManyLights::Aimed& glow) {
+    return glow.links == nullptr || glow.links->is_blocked_by_all() || !(glow.pdf_per_sr > 0.0f);
 }
 
 void DirectLight::aim_at_many(const LitSurface& surface, const PairIndex& pair, float share, ShadowRays& shadow) const {
@@ -92,14 +92,14 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
     }
     thread_local std::vector<Rgb> of_groups;
     of_groups.resize(by_group.empty() ? 0 : by_group.size() / surface.points.size());
-    for (std::size_t index = 0; many_->has_triangles() && index < surface.points.size(); ++index) {
+    for (std::size_t index = 0; many_->has_glow() && index < surface.points.size(); ++index) {
         const SurfacePoint& point = surface.points[index];
         const vec2 u = pixel_pair(point.pixel_seed, pair.sample_index, cosine_pairs + pair.pair_index);
         const vec3 direction = from_frame(point.shading.shading_normal, sample_cosine_hemisphere(u));
         const float cosine = glm::dot(point.shading.shading_normal, direction);
         irradiance[index].from_lights +=
-            share * of_triangles(point, {direction, cosine, cosine_hemisphere_pdf_per_sr(cosine)}, nullptr,
-                                 surface.among, of_groups);
+            share * of_glow(point, {direction, cosine, cosine_hemisphere_pdf_per_sr(cosine)}, nullptr, surface.among,
+                            of_groups);
         for (std::size_t group = 0; group < of_groups.size(); ++group)
             by_group[group * surface.points.size() + index].from_lights += share * of_groups[group];
     }
@@ -107,13 +107,13 @@ void DirectLight::add_many(const LitSurface& surface, const PairIndex& pair, flo
         const SurfacePoint& point = surface.points[index];
         const LobeSet& lobes = (*surface.lobes)[index];
         const bool may_find_lamps = finds_lamps(lobes);
-        if (!may_find_lamps && !(many_->has_triangles() && lobes.has_directions()))
+        if (!may_find_lamps && !(many_->has_glow() && lobes.has_directions()))
             continue;
         const std::optional<DrawnDirection> drawn = draw_by_lobes(point, lobes, pair);
         if (!drawn)
             continue;
-        if (many_->has_triangles()) {
-            irradiance[index].reflected += share * of_triangles(point, *drawn, &lobes, surface.among, of_groups);
+        if (many_->has_glow()) {
+            irradiance[index].reflected += share * of_glow(point, *drawn, &lobes, surface.among, of_groups);
             for (std::size_t group = 0; group < of_groups.size(); ++group)
                 by_group[group * surface.points.size() + index].reflected += share * of_groups[group];
         }
@@ -210,15 +210,15 @@ void DirectLight::aim_at_lamps_met(const SurfacePoint& point, const LobeSet& lob
     }
 }
 
-Rgb DirectLight::of_triangles(const SurfacePoint& point, const DrawnDirection& drawn, const LobeSet* lobes, Among among,
-                              std::span<Rgb> by_group) const {
+Rgb DirectLight::of_glow(const SurfacePoint& point, const DrawnDirection& drawn, const LobeSet* lobes, Among among,
+                         std::span<Rgb> by_group) const {
     const auto& [direction, cosine, pdf_per_sr] = drawn;
     std::ranges::fill(by_group, Rgb(0.0f));
     Rgb sum(0.0f);
     if (!(cosine > 0.0f) || !(pdf_per_sr > 0.0f))
         return sum;
     Ray ray = shadow_ray(point, direction);
-    if (!many_->may_meet_triangle(ray))
+    if (!many_->may_meet_glow(ray))
         return sum;
     const auto counting = [&](const LitKinds& kinds) {
         if (lobes == nullptr)

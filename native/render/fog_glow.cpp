@@ -22,20 +22,18 @@ FogGlow::FogGlow(const Scene& scene, const Media& media, const MeshEmitters& emi
     if (media.is_empty() || std::ranges::none_of(description.media, scatters))
         return;
     has_glowing_media_ = media.emits();
-    if (emitters.triangles().empty())
-        return;
+    for (const std::uint32_t instance : emitters.instances())
+        if (scene.lights_media(instance) && !media.grids().is_empty() &&
+            !scene.object_info(instance).links.lights_all())
+            statistics.report("Object \"" + description.object_names[description.name_index_of(instance)] +
+                              "\": light linking does not reach density grids: it lights them all");
+    has_met_alone_ =
+        std::ranges::any_of(emitters.met_alone(), [&](std::uint32_t instance) { return scene.lights_media(instance); });
     std::vector<LightBounds> bounds;
-    std::uint32_t reported = ~0u;
     for (const EmissiveTriangle& triangle : emitters.triangles()) {
         bounds.push_back(MeshEmitters::bounds_of(triangle));
         if (!description.instances[triangle.instance].lights_media)
             bounds.back().power = 0.0f;
-        else if (!media.grids().is_empty() && triangle.instance != reported &&
-                 !scene.object_info(triangle.instance).links.lights_all()) {
-            reported = triangle.instance;
-            statistics.report("Object \"" + description.object_names[description.name_index_of(triangle.instance)] +
-                              "\": light linking does not reach density grids: it lights them all");
-        }
     }
     const auto count = std::ranges::count_if(bounds, [](const LightBounds& one) { return one.power > 0.0f; });
     if (count == 0)
@@ -48,20 +46,16 @@ std::vector<std::uint8_t> FogGlow::light_groups() const {
     std::vector<std::uint8_t> groups;
     if (has_glowing_media_)
         groups.push_back(no_light_group);
-    std::uint32_t instance = ~0u;
-    for (const EmissiveTriangle& triangle : emitters_.triangles()) {
-        if (triangle.instance == instance || !scene_.description().instances[triangle.instance].lights_media)
-            continue;
-        instance = triangle.instance;
-        if (const std::uint8_t group = scene_.object_info(instance).light_group;
-            std::ranges::find(groups, group) == groups.end())
+    for (const std::uint32_t instance : emitters_.instances()) {
+        const std::uint8_t group = scene_.object_info(instance).light_group;
+        if (scene_.lights_media(instance) && std::ranges::find(groups, group) == groups.end())
             groups.push_back(group);
     }
     return groups;
 }
 
 Rgb FogGlow::passing_to(const vec3& point, const Hit& hit, const vec3& direction, const LightLinks* links) const {
-    const vec3 target = scene_.spawn_point(hit).towards(-direction), way = target - point;
+    const vec3 target = scene_.arrival_point(hit, direction), way = target - point;
     const float far_m = glm::length(way);
     if (!(glm::dot(way, direction) > 0.0f))
         return Rgb(1.0f); // nothing fits between
@@ -86,15 +80,14 @@ static vec2 pair_of(const FogGlow::Numbers& numbers, std::uint32_t pair, std::ui
 }
 
 void FogGlow::draw(const MediaLine& line, const Numbers& numbers, std::vector<Found>& found) const {
-    const bool draws_direction = draws_directions_ || line.has_peak();
+    const bool draws_direction = draws_directions_ || has_met_alone_ || (tree_ != nullptr && line.has_peak());
     if (!draws_direction && !has_glowing_media_)
         return draw_triangle(line, numbers, nullptr, found);
     const PhaseDirections directions(line);
     if (has_glowing_media_)
         draw_media(line, numbers, directions, found);
-    if (tree_ == nullptr)
-        return;
-    draw_triangle(line, numbers, draws_direction ? &directions : nullptr, found);
+    if (tree_ != nullptr)
+        draw_triangle(line, numbers, draws_direction ? &directions : nullptr, found);
     if (draws_direction)
         draw_direction(line, numbers, directions, found);
 }
@@ -117,13 +110,13 @@ void FogGlow::draw_triangle(const MediaLine& line, const Numbers& numbers, const
     if (!(place.pdf_per_sr > 0.0f) || !(length_m > 0.0f))
         return;
     const vec3 direction = way / length_m;
-    const LightLinks* const links = links_of(triangle);
+    const LightLinks* const links = links_of(triangle.instance);
     const Rgb scattered = line.scatter_per_m_sr(*distance.piece, distance.at_m, direction, links);
     if (scattered == Rgb(0.0f))
         return;
     const Hit hit = hit_at(triangle, place, length_m);
     const Rgb emitted =
-        MeshEmitters::radiance(scene_, triangle, {.origin = point, .direction = direction}, hit, RayKind::Scatter);
+        MeshEmitters::radiance(scene_, {.origin = point, .direction = direction}, hit, RayKind::Scatter);
     const float density = probability * distance.pdf_per_m * place.pdf_per_sr;
     Rgb arriving = emitted * scattered * line.transmittance(*distance.piece, distance.at_m) / density;
     if (arriving == Rgb(0.0f))
@@ -135,12 +128,11 @@ void FogGlow::draw_triangle(const MediaLine& line, const Numbers& numbers, const
 }
 
 Rgb FogGlow::met(const MediaLine& line, const PhaseDirections& directions, const PhaseDirections::Drawn& drawn,
-                 std::uint32_t index, const Hit& hit) const {
-    const EmissiveTriangle& triangle = emitters_.triangles()[index];
+                 const Hit& hit) const {
     const vec3 point = line.origin() + drawn.at_m * line.direction();
-    const LightLinks* const links = links_of(triangle);
-    const Rgb emitted = MeshEmitters::radiance(scene_, triangle, {.origin = point, .direction = drawn.direction}, hit,
-                                               RayKind::Scatter);
+    const LightLinks* const links = links_of(hit.instance);
+    const Rgb emitted =
+        MeshEmitters::radiance(scene_, {.origin = point, .direction = drawn.direction}, hit, RayKind::Scatter);
     const Rgb scattered = line.scatter_per_m_sr(*drawn.piece, drawn.at_m, drawn.direction, links);
     const float density = directions.density(*drawn.piece, drawn.at_m, drawn.direction);
     const Rgb arriving = emitted * scattered * line.transmittance(*drawn.piece, drawn.at_m) / density;
@@ -149,6 +141,10 @@ Rgb FogGlow::met(const MediaLine& line, const PhaseDirections& directions, const
     const Rgb passing = passing_to(point, hit, drawn.direction, links);
     if (passing == Rgb(0.0f))
         return passing;
+    const std::uint32_t index = emitters_.index_of(hit);
+    if (index == LightTree::none)
+        return arriving * passing;
+    const EmissiveTriangle& triangle = emitters_.triangles()[index];
     const float by_triangle =
         tree_->probability_along(index, tree_line(line)) *
         GlowDistances(line, triangle, attenuates_light_ ? &media_ : nullptr).density_per_m(*drawn.piece, drawn.at_m) *
@@ -203,9 +199,8 @@ void FogGlow::draw_direction(const MediaLine& line, const Numbers& numbers, cons
         const Hit hit = scene_.closest_hit(ray, bounce_mask);
         if (!hit.is_hit())
             return;
-        const std::uint32_t index = emitters_.index_of(hit);
-        if (index != LightTree::none && is_met_by_chance(emitters_.triangles()[index]))
-            found.push_back({met(line, directions, drawn, index, hit), scene_.object_info(hit.instance).light_group});
+        if (is_met_by_chance(hit))
+            found.push_back({met(line, directions, drawn, hit), scene_.object_info(hit.instance).light_group});
         if (casts_shadow(scene_, hit) && scene_.transparency(ray, hit) == Rgb(0.0f))
             return;
         go_on_behind(ray, hit);

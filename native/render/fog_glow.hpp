@@ -7,7 +7,7 @@
 // Differs:  from lamps' light shafts, which have no noise: rows of what shadows a lamp serve many rays, and an area of
 //           thousands of triangles has no few strata. Directions are drawn only where a pilot finds that worth its time: the
 //           light per metre and steradian has no singularity that triangles' draws would leave over.
-//           Media that glow are met by directions alone.
+//           Media that glow, voxels, hair and points are met by directions alone.
 // Data flow: part of a view ray -> its pieces in media, once (media_line.hpp) -> per draw: triangle, distance, place, one
 //           shadow ray -> radiance, by light groups where these are kept apart.
 // Bound:    a draw takes 1 us in a fog box and its shadow ray, half as much again where directions are drawn, too; the error
@@ -33,7 +33,7 @@ public:
             Statistics& statistics, KeptLightTrees* kept = nullptr);
 
     /// Nothing glows that lights media, or no medium scatters.
-    [[nodiscard]] bool is_empty() const { return tree_ == nullptr && !has_glowing_media_; }
+    [[nodiscard]] bool is_empty() const { return tree_ == nullptr && !has_met_alone_ && !has_glowing_media_; }
     /// Of what glows, each once; see LightLinks.
     [[nodiscard]] std::vector<std::uint8_t> light_groups() const;
 
@@ -75,11 +75,11 @@ private:
                         std::vector<Found>& found) const;
     void draw_media(const MediaLine& line, const Numbers& numbers, const PhaseDirections& directions,
                     std::vector<Found>& found) const;
-    /// What a direction that was drawn brings of the triangle that it meets there, weighed against draw_triangle().
+    /// What a direction that was drawn brings of what glows there, weighed against draw_triangle().
     [[nodiscard]] Rgb met(const MediaLine& line, const PhaseDirections& directions, const PhaseDirections::Drawn& drawn,
-                          std::uint32_t index, const Hit& hit) const;
-    [[nodiscard]] const LightLinks* links_of(const EmissiveTriangle& triangle) const {
-        const LightLinks& links = scene_.object_info(triangle.instance).links;
+                          const Hit& hit) const;
+    [[nodiscard]] const LightLinks* links_of(std::uint32_t instance) const {
+        const LightLinks& links = scene_.object_info(instance).links;
         return links == LightLinks{} ? nullptr : &links;
     }
     /// Whether a ray by chance may meet it, and be told what blocks it.
@@ -87,6 +87,11 @@ private:
         const Instance& instance = scene_.description().instances[triangle.instance];
         return instance.lights_media && instance.is_bounce_visible &&
                scene_.object_info(triangle.instance).links.is_blocked_by_all();
+    }
+    [[nodiscard]] bool is_met_by_chance(const Hit& hit) const {
+        const std::uint32_t index = emitters_.index_of(hit);
+        return index != LightTree::none ? is_met_by_chance(emitters_.triangles()[index])
+                                        : emitters_.is_met_alone(hit) && scene_.lights_media(hit.instance);
     }
     /// From a place on a triangle, which `hit` is.
     [[nodiscard]] Rgb passing_to(const vec3& point, const Hit& hit, const vec3& direction,
@@ -96,6 +101,7 @@ private:
     const Media& media_;
     const MeshEmitters& emitters_;
     std::shared_ptr<const LightTree> tree_; ///< Of those of its triangles that light media; none: nothing does.
+    bool has_met_alone_ = false;            ///< What lights media, and is met by directions alone.
     bool attenuates_light_, has_glowing_media_ = false, draws_directions_ = false;
     std::uint32_t draw_count_ = 1;
 };

@@ -50,7 +50,7 @@ void FogGlow::prepare(std::span<const light_shafts::ViewRay> parts, const Wanted
     if (wanted.is_coarse)
         return;
     Noise noise = noise_of(parts, progress);
-    if (tree_ != nullptr) {
+    if (tree_ != nullptr && !has_met_alone_) {
         draws_directions_ = true;
         const Noise with_directions = noise_of(parts, progress);
         draws_directions_ = with_directions.variance * (1.0 + direction_cost) < noise.variance;

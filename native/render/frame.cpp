@@ -240,7 +240,7 @@ private:
         using transfer_functions::Axis;
         if (!asks_for(Axis::AverageVisibility) && !asks_for(Axis::MeanLitPosition))
             return;
-        const std::uint32_t instance = surfaces_.emitters().triangles().front().instance;
+        const std::uint32_t instance = surfaces_.emitters().instances().front();
         const SceneDescription& description = scene_.description();
         statistics_.report("Object \"" + description.object_names[description.name_index_of(instance)] +
                            "\" glows in fog: transfer functions know of the visibility of lamps and the world alone");

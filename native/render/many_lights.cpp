@@ -53,9 +53,7 @@ LightBounds bounds_of(const Light& lamp) {
 ManyLights::ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps,
                        std::shared_ptr<const MeshEmitters> emitters, KeptLightTrees* kept)
     : scene_(scene), lamps_(std::move(lamps)), emitters_(std::move(emitters)) {
-    const auto lights_surfaces = [&](const EmissiveTriangle& triangle) {
-        return !scene.description().instances[triangle.instance].lights_surfaces().are_none();
-    };
+    const auto lights_surfaces = [&](std::uint32_t instance) { return !scene.lights_surfaces(instance).are_none(); };
     std::vector<LightBounds> bounds;
     std::vector<Bounds3> boxes;
     for (std::uint32_t number = 0; number < lamps_.size(); ++number) {
@@ -71,11 +69,12 @@ ManyLights::ManyLights(const Scene& scene, std::vector<std::uint32_t> lamps,
     boxes_ = LampBoxes(boxes);
     for (const EmissiveTriangle& triangle : emitters_->triangles()) {
         bounds.push_back(MeshEmitters::bounds_of(triangle));
-        if (lights_surfaces(triangle))
-            has_triangles_ = true;
+        if (lights_surfaces(triangle.instance))
+            has_glow_ = true;
         else
             bounds.back().power = 0.0f;
     }
+    has_glow_ |= std::ranges::any_of(emitters_->met_alone(), lights_surfaces);
     tree_ = tree_of(std::move(bounds), kept);
 }
 
@@ -136,7 +135,7 @@ void ManyLights::meet_lamps(const Ray& ray, std::vector<LampMet>& met) const {
 }
 
 Ray ManyLights::ray_to(const SurfacePoint& point, const Hit& hit, const vec3& direction) const {
-    const vec3 target = scene_.spawn_point(hit).towards(-direction), origin = point.spawn.towards(direction);
+    const vec3 target = scene_.arrival_point(hit, direction), origin = point.spawn.towards(direction);
     const vec3 way = target - origin;
     const float far_m = glm::dot(way, direction) > 0.0f ? glm::length(way) : 0.0f;
     return {.origin = origin,
@@ -159,7 +158,7 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
         return std::nullopt;
     const Hit hit = hit_at(triangle, place, distance_m);
     const Ray there{.origin = position, .direction = direction, .passed_count = point.passed_count};
-    const Rgb radiance = MeshEmitters::radiance(scene_, triangle, there, hit);
+    const Rgb radiance = MeshEmitters::radiance(scene_, there, hit);
     if (radiance == Rgb(0.0f))
         return std::nullopt;
     return Aimed{.ray = ray_to(point, hit, direction),
@@ -167,24 +166,27 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
                  .instance = triangle.instance,
                  .pdf_per_sr = place.pdf_per_sr,
                  .light_group = scene_.object_info(triangle.instance).light_group,
-                 .links = links_of(triangle),
-                 .kinds = scene_.description().instances[triangle.instance].lights_surfaces()};
+                 .links = links_of(triangle.instance),
+                 .kinds = scene_.lights_surfaces(triangle.instance)};
 }
 
 std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const {
     const std::uint32_t index = emitters_->index_of(hit);
-    if (index == LightTree::none)
+    float pdf_per_sr = 0.0f;
+    if (index != LightTree::none) {
+        const vec3 place = ray.origin + hit.distance_m * ray.direction;
+        pdf_per_sr = tree_->probability(static_cast<std::uint32_t>(lamps_.size()) + index, point.shading.position,
+                                        point.shading.shading_normal) *
+                     triangle_pdf_per_sr(emitters_->triangles()[index].corners, point.shading.position, place);
+    } else if (!emitters_->is_met_alone(hit)) {
         return std::nullopt;
-    const EmissiveTriangle& triangle = emitters_->triangles()[index];
-    const float probability = tree_->probability(static_cast<std::uint32_t>(lamps_.size()) + index,
-                                                 point.shading.position, point.shading.shading_normal);
-    const vec3 place = ray.origin + hit.distance_m * ray.direction;
+    }
     return Aimed{.ray = ray_to(point, hit, ray.direction),
-                 .arriving = MeshEmitters::radiance(scene_, triangle, ray, hit),
-                 .instance = triangle.instance,
-                 .pdf_per_sr = probability * triangle_pdf_per_sr(triangle.corners, point.shading.position, place),
-                 .light_group = scene_.object_info(triangle.instance).light_group,
-                 .links = links_of(triangle),
-                 .kinds = scene_.description().instances[triangle.instance].lights_surfaces()};
+                 .arriving = MeshEmitters::radiance(scene_, ray, hit),
+                 .instance = hit.instance,
+                 .pdf_per_sr = pdf_per_sr,
+                 .light_group = scene_.object_info(hit.instance).light_group,
+                 .links = links_of(hit.instance),
+                 .kinds = scene_.lights_surfaces(hit.instance)};
 }
 } // namespace tyndall::render

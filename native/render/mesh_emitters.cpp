@@ -25,10 +25,9 @@ static Hit hit_at(const EmissiveTriangle& triangle, vec2 barycentrics, float dis
     return hit;
 }
 
-Rgb MeshEmitters::radiance(const Scene& scene, const EmissiveTriangle& triangle, const Ray& ray, const Hit& hit,
-                           RayKind kind) {
-    if (triangle.is_constant)
-        return constant_emission(scene.material(triangle.instance, triangle.triangle));
+Rgb MeshEmitters::radiance(const Scene& scene, const Ray& ray, const Hit& hit, RayKind kind) {
+    if (const Material& material = scene.material(hit.instance, hit.triangle); material.is_constant())
+        return constant_emission(material);
     return scene.closures({.ray = ray, .kind = kind, .is_of_light = true}, scene.shading_point(ray, hit), hit).emission;
 }
 
@@ -46,7 +45,7 @@ static float mean_radiance(const Scene& scene, const EmissiveTriangle& triangle,
                               barycentrics.x * triangle.corners[1] + barycentrics.y * triangle.corners[2];
         const vec3 side = place % 2 == 0 ? triangle.normal : -triangle.normal;
         const Ray ray{.origin = position + side, .direction = -side};
-        sum += size_of(MeshEmitters::radiance(scene, triangle, ray, hit_at(triangle, barycentrics, 1.0f)));
+        sum += size_of(MeshEmitters::radiance(scene, ray, hit_at(triangle, barycentrics, 1.0f)));
     }
     return sum / static_cast<float>(place_count);
 }
@@ -104,7 +103,12 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
             for (std::size_t triangle = first; triangle < triangles_.size(); ++triangle)
                 triangles_[triangle].back = 1.0f;
     }
-    find_boxes();
+    for (std::uint32_t number = 0; number < description.placed_shapes.size(); ++number) {
+        const PlacedShape& placed = description.placed_shapes[number];
+        if (glows[placed.material_index] != 0 && (!placed.lights_surfaces().are_none() || placed.lights_media))
+            met_alone_.push_back(static_cast<std::uint32_t>(description.instances.size()) + number);
+    }
+    find_boxes(description);
     struct Sum {
         float radiance_m2 = 0.0f, area_m2 = 0.0f;
     };
@@ -127,15 +131,28 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
                 std::max({triangles_[index].radiance, least_share * radiance_m2 / area_m2, 1e-6f});
 }
 
-void MeshEmitters::find_boxes() {
+std::vector<std::uint32_t> MeshEmitters::instances() const {
+    std::vector<std::uint32_t> found;
+    for (const EmissiveTriangle& triangle : triangles_)
+        if (found.empty() || found.back() != triangle.instance)
+            found.push_back(triangle.instance);
+    found.insert(found.end(), met_alone_.begin(), met_alone_.end());
+    return found;
+}
+
+void MeshEmitters::find_boxes(const SceneDescription& scene) {
     std::uint32_t instance = ~0u;
-    for (const EmissiveTriangle& triangle : triangles_) {
-        if (boxes_.empty() || (triangle.instance != instance && boxes_.size() < most_boxes))
+    const auto box_of = [&](std::uint32_t next) -> Bounds3& {
+        if (boxes_.empty() || (next != instance && boxes_.size() < most_boxes))
             boxes_.emplace_back();
-        instance = triangle.instance;
+        instance = next;
+        return boxes_.back();
+    };
+    for (const EmissiveTriangle& triangle : triangles_)
         for (const vec3& corner : triangle.corners)
-            boxes_.back().grow(corner);
-    }
+            box_of(triangle.instance).grow(corner);
+    for (const std::uint32_t shape : met_alone_)
+        box_of(shape).grow(tyndall::bounds_of(scene, scene.placed_shapes[shape - scene.instances.size()]));
     for (Bounds3& box : boxes_) { // with what rounding may add
         const vec3 margin = 1e-5f * (glm::abs(box.min) + glm::abs(box.max)) + 1e-3f * (box.max - box.min) + 1e-6f;
         box.min -= margin, box.max += margin;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Triangles of meshes that glow, as lights: which they are, how bright, and places on them for one point.
+// What glows, as lights: triangles of meshes, how bright they are, and places on them for one point; and shapes that rays
+// meet by chance alone.
 // Based on: Arvo, Stratified Sampling of Spherical Triangles, SIGGRAPH 1995, for those that are wide as seen from the point.
 // Differs:  others are sampled by area. How bright a triangle is that a program colours is asked at a few of its places;
 //           those that seem dark there are drawn seldom, not never.
@@ -7,6 +8,7 @@
 #pragma once
 #include "render/light_tree.hpp"
 #include "scene/scene.hpp"
+#include <algorithm>
 #include <vector>
 
 namespace tyndall::render {
@@ -48,19 +50,28 @@ public:
     [[nodiscard]] static LightBounds bounds_of(const EmissiveTriangle& triangle);
     /// Index of a hit's triangle; LightTree::none where it is no light.
     [[nodiscard]] std::uint32_t index_of(const Hit& hit) const;
-    /// False: the ray misses all triangles, whatever stands before them.
+    /// Placed shapes that glow, as a Hit has them: none of their places is aimed at.
+    [[nodiscard]] std::span<const std::uint32_t> met_alone() const { return met_alone_; }
+    [[nodiscard]] bool is_met_alone(const Hit& hit) const {
+        return std::ranges::binary_search(met_alone_, hit.instance);
+    }
+    [[nodiscard]] bool is_empty() const { return triangles_.empty() && met_alone_.empty(); }
+    /// Of all that glows, each once.
+    [[nodiscard]] std::vector<std::uint32_t> instances() const;
+    /// False: the ray misses all that glows, whatever stands before it.
     [[nodiscard]] bool may_meet(const Ray& ray) const;
-    /// Radiance that leaves the triangle towards where the ray comes from.
-    [[nodiscard]] static Rgb radiance(const Scene& scene, const EmissiveTriangle& triangle, const Ray& ray,
-                                      const Hit& hit, RayKind kind = RayKind::Diffuse);
+    /// Radiance that leaves the hit towards where the ray comes from.
+    [[nodiscard]] static Rgb radiance(const Scene& scene, const Ray& ray, const Hit& hit,
+                                      RayKind kind = RayKind::Diffuse);
 
 private:
-    void find_boxes();
+    void find_boxes(const SceneDescription& scene);
 
     std::vector<EmissiveTriangle> triangles_;
     std::vector<std::uint32_t> first_of_instance_; ///< Into index_of_triangle_; none: it does not glow.
     std::vector<std::uint32_t> index_of_triangle_;
-    std::vector<Bounds3> boxes_; ///< Around all triangles: one for each object that glows, or one for many.
+    std::vector<std::uint32_t> met_alone_; ///< Ascending.
+    std::vector<Bounds3> boxes_;           ///< Around all that glows: one for each object, or one for many.
 };
 /// Uniform in the solid angle where that is wide, else in the area.
 [[nodiscard]] TrianglePoint triangle_point(const std::array<vec3, 3>& corners, const vec3& from, vec2 u);

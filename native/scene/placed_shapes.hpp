@@ -4,6 +4,7 @@
 #pragma once
 #include "core/progress.hpp"
 #include "scene/cell_geometry.hpp"
+#include "scene/lit_kinds.hpp"
 #include <span>
 #include <vector>
 
@@ -17,9 +18,12 @@ struct PlacedShape {
     bool is_bounce_visible = true; ///< Its light falls on other surfaces by a bounce.
     bool is_mirror_visible = true;
     bool is_glass_visible = true;   ///< Through what bends rays.
+    bool lights_media = true;       ///< Its light falls on media.
     bool is_held_out = false;       ///< What of it cameras see is cut out of the picture.
     bool is_shadow_catcher = false; ///< Of it cameras see only the shadows that others cast on it.
     float random = 0.0f;            ///< As Instance's.
+    /// The same.
+    [[nodiscard]] LitKinds lights_surfaces() const { return {is_bounce_visible, is_mirror_visible, is_glass_visible}; }
     bool operator==(const PlacedShape&) const = default;
 };
 

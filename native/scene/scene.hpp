@@ -205,6 +205,15 @@ public:
         return placed != nullptr ? placed->is_shadow_catcher : description().instances[instance].is_shadow_catcher;
     }
     [[nodiscard]] bool has_shadow_catchers() const { return geometry_->has_catchers; }
+    /// Where it glows: shaders whose rays see it, and whether media do.
+    [[nodiscard]] LitKinds lights_surfaces(std::uint32_t instance) const {
+        const PlacedShape* const placed = placed_shape(instance);
+        return placed != nullptr ? placed->lights_surfaces() : description().instances[instance].lights_surfaces();
+    }
+    [[nodiscard]] bool lights_media(std::uint32_t instance) const {
+        const PlacedShape* const placed = placed_shape(instance);
+        return placed != nullptr ? placed->lights_media : description().instances[instance].lights_media;
+    }
     /// Whether some instance stands in the way of one kind of rays that gather light, and not of another.
     [[nodiscard]] bool tells_rays_apart() const { return geometry_->tells_rays_apart; }
     /// What the object of an instance is by itself.
@@ -229,7 +238,9 @@ public:
 
     /// Where rays leave a hit from.
     [[nodiscard]] SpawnPoint spawn_point(const Hit& hit) const;
-    /// The same of a view ray's hit. Of a cube of cells: beyond its corners on the shading normal's side, so that a surface
+    /// Where a ray in a unit direction that is to reach a hit ends, just before what it ends on.
+    [[nodiscard]] vec3 arrival_point(const Hit& hit, const vec3& direction) const;
+    /// spawn_point() of a view ray's hit. Of a cube of cells: beyond its corners on the shading normal's side, so that a surface
     /// of cells that runs through it and its neighbours does not shadow what its normal says is lit.
     [[nodiscard]] SpawnPoint spawn_point(const Ray& ray, const Hit& hit, const ShadingPoint& shading) const;
     /// Whether the hit is of a cube of cells of a placed shape.

@@ -333,6 +333,13 @@ SpawnPoint Scene::spawn_point(const Hit& hit) const {
                                 hit.barycentrics, instance.world_from_object, object_from_scene);
 }
 
+vec3 Scene::arrival_point(const Hit& hit, const vec3& direction) const {
+    const PlacedShape* const placed = placed_shape(hit.instance);
+    if (const Strands* strands = placed != nullptr ? shape_of(*placed).strands() : nullptr)
+        return strand_arrival_point(*strands, placed->world_from_object, hit, direction);
+    return spawn_point(hit).towards(-direction);
+}
+
 bool Scene::is_cube(const Hit& hit) const {
     const PlacedShape* placed = placed_shape(hit.instance);
     const CellShape* cells = placed != nullptr ? shape_of(*placed).cells() : nullptr;

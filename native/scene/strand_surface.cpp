@@ -58,6 +58,14 @@ SpawnPoint strand_spawn_point(const Strands& strands, const mat4& scene_from_obj
             .offset_m = 1e-3f * surface.radius_m + 4e-7f * glm::length(glm::max(reach, in_object))};
 }
 
+vec3 strand_arrival_point(const Strands& strands, const mat4& scene_from_object, const Hit& hit,
+                          const vec3& direction) {
+    const SpawnPoint spawn = strand_spawn_point(strands, scene_from_object, hit);
+    if (strands.form() == StrandForm::Spheres)
+        return spawn.towards(-direction);
+    return spawn.position - (2.0f * surface_of(strands, hit, scene_from_object).radius_m + spawn.offset_m) * direction;
+}
+
 SpawnPoint other_side_spawn_point(const Scene& scene, const Hit& hit, const SpawnPoint& spawn) {
     const PlacedShape* placed = scene.placed_shape(hit.instance);
     const Strands* strands = placed != nullptr ? scene.description().shapes[placed->shape_index]->strands() : nullptr;

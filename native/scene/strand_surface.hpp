@@ -13,6 +13,11 @@ namespace tyndall {
 /// Of rays on the side that was met; a sphere shades nothing of itself, whichever way they go.
 [[nodiscard]] SpawnPoint strand_spawn_point(const Strands& strands, const mat4& scene_from_object, const Hit& hit);
 
+/// Where a ray to a hit ends, so that what it ends on does not block it: before all of a strand's width, for a band faces
+/// each ray, and tubes are met where an iteration ends.
+[[nodiscard]] vec3 strand_arrival_point(const Strands& strands, const mat4& scene_from_object, const Hit& hit,
+                                        const vec3& direction);
+
 /// Of rays to the other side than was met: of a band, on its middle line's side that they go to, as far from it as where
 /// it was met: else those that are nearly along it would cross that line, and meet the band again, which Cycles' rays leave
 /// out. Of all else, `spawn`: what begins within a tube or sphere leaves it.

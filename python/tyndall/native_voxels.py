@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _native
 from .instance_arrays import randoms_of
-from .scene_description import Instances, StrandObjects
+from .scene_description import StrandObjects
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -114,8 +114,7 @@ def _build_voxels(groups: tuple[VoxelObjects, ...], parts: NativeParts) -> None:
 def shows_to(group: PlacedObjects) -> int:
     """A bit per kind of ray, as native/scene/instance_masks.hpp has them; then held out, catcher, lights media."""
     to_others = (group.casts_shadow, group.is_bounce_visible, group.is_mirror_visible, group.is_glass_visible)
-    lights_media = isinstance(group, Instances) and group.lights_media
-    flags = (group.is_camera_visible, *to_others, group.is_held_out, group.is_shadow_catcher, lights_media)
+    flags = (group.is_camera_visible, *to_others, group.is_held_out, group.is_shadow_catcher, group.lights_media)
     return sum(flag << bit for bit, flag in enumerate(flags))
 
 

@@ -77,6 +77,7 @@ class PlacedObjects:
     is_bounce_visible: bool = True  #: Its light falls on other surfaces by a bounce.
     is_mirror_visible: bool = True
     is_glass_visible: bool = True  #: Through what bends rays.
+    lights_media: bool = True  #: Its light falls on media, if it glows.
     is_held_out: bool = False  #: What cameras see of it is cut out of the picture.
     is_shadow_catcher: bool = False  #: Of it cameras see only the shadows that others cast on it.
     lighting: ObjectLighting | None = None  #: None: as it begins.
@@ -91,7 +92,6 @@ class Instances(PlacedObjects):
 
     mesh: Mesh
     materials: tuple[int, ...]  #: Per material slot, into SceneDescription.materials.
-    lights_media: bool = True  #: Its light falls on media.
     #: (count, 14), for materials that ask which particle each is: its index, a random number in [0, 1), age and
     #: lifetime in frames, size; location, velocity and angular velocity in the world. NaN: none. None: none is one.
     particles: NDArray[np.float32] | None = None
