@@ -32,7 +32,7 @@ FogGlow::FogGlow(const Scene& scene, const Media& media, const MeshEmitters& emi
     std::vector<LightBounds> bounds;
     for (const EmissiveTriangle& triangle : emitters.triangles()) {
         bounds.push_back(MeshEmitters::bounds_of(triangle));
-        if (!description.instances[triangle.instance].lights_media)
+        if (!scene.lights_media(triangle.instance))
             bounds.back().power = 0.0f;
     }
     const auto count = std::ranges::count_if(bounds, [](const LightBounds& one) { return one.power > 0.0f; });
@@ -114,7 +114,7 @@ void FogGlow::draw_triangle(const MediaLine& line, const Numbers& numbers, const
     const Rgb scattered = line.scatter_per_m_sr(*distance.piece, distance.at_m, direction, links);
     if (scattered == Rgb(0.0f))
         return;
-    const Hit hit = hit_at(triangle, place, length_m);
+    const Hit hit = hit_at(triangle, place.barycentrics, length_m);
     const Rgb emitted =
         MeshEmitters::radiance(scene_, {.origin = point, .direction = direction}, hit, RayKind::Scatter);
     const float density = probability * distance.pdf_per_m * place.pdf_per_sr;

@@ -84,8 +84,7 @@ private:
     }
     /// Whether a ray by chance may meet it, and be told what blocks it.
     [[nodiscard]] bool is_met_by_chance(const EmissiveTriangle& triangle) const {
-        const Instance& instance = scene_.description().instances[triangle.instance];
-        return instance.lights_media && instance.is_bounce_visible &&
+        return scene_.lights_media(triangle.instance) && scene_.lights_surfaces(triangle.instance).diffuse &&
                scene_.object_info(triangle.instance).links.is_blocked_by_all();
     }
     [[nodiscard]] bool is_met_by_chance(const Hit& hit) const {

@@ -156,7 +156,7 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
     const float cosine = glm::dot(point.shading.shading_normal, direction);
     if (!(cosine > 0.0f))
         return std::nullopt;
-    const Hit hit = hit_at(triangle, place, distance_m);
+    const Hit hit = hit_at(triangle, place.barycentrics, distance_m);
     const Ray there{.origin = position, .direction = direction, .passed_count = point.passed_count};
     const Rgb radiance = MeshEmitters::radiance(scene_, there, hit);
     if (radiance == Rgb(0.0f))

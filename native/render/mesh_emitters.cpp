@@ -2,6 +2,7 @@
 #include "render/mesh_emitters.hpp"
 #include "core/parallel.hpp"
 #include "core/sobol.hpp"
+#include "render/cell_emitters.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
 #include <map>
@@ -14,16 +15,6 @@ static constexpr float least_share = 0.02f;
 static constexpr std::size_t most_boxes = 16;
 /// The back of a closed mesh is drawn, too: it may be a dome around the scene.
 static constexpr float back_of_closed = 0.05f;
-
-static Hit hit_at(const EmissiveTriangle& triangle, vec2 barycentrics, float distance_m) {
-    Hit hit;
-    hit.distance_m = distance_m;
-    hit.instance = triangle.instance;
-    hit.triangle = triangle.triangle;
-    hit.barycentrics = barycentrics;
-    hit.geometric_normal = triangle.normal;
-    return hit;
-}
 
 Rgb MeshEmitters::radiance(const Scene& scene, const Ray& ray, const Hit& hit, RayKind kind) {
     if (const Material& material = scene.material(hit.instance, hit.triangle); material.is_constant())
@@ -52,7 +43,6 @@ static float mean_radiance(const Scene& scene, const EmissiveTriangle& triangle,
 
 MeshEmitters::MeshEmitters(const Scene& scene) {
     const SceneDescription& description = scene.description();
-    std::vector<const Material*> materials;
     first_of_instance_.assign(description.instances.size(), LightTree::none);
     std::vector<std::uint8_t> glows(description.materials.size());
     for (std::size_t index = 0; index < glows.size(); ++index)
@@ -61,74 +51,137 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
         return;
     for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
         const Instance& instance = description.instances[index];
-        bool has_light = false;
-        for (std::uint32_t slot = 0; slot < instance.slot_count; ++slot)
-            has_light |= glows[description.slot_materials[instance.first_slot_material + slot]] != 0;
-        if (!has_light || (instance.lights_surfaces().are_none() && !instance.lights_media))
-            continue;
-        const TriangleMesh& whole = *description.meshes[instance.mesh_index];
-        const SharedMeshArrays& mesh = whole.arrays();
-        const bool is_closed = whole.is_closed();
-        first_of_instance_[index] = static_cast<std::uint32_t>(index_of_triangle_.size());
-        const float sign = glm::determinant(glm::dmat3(mat3(instance.world_from_object))) < 0.0 ? -1.0f : 1.0f;
-        double volume = 0.0;
-        const std::size_t first = triangles_.size();
-        for (std::uint32_t number = 0; number < mesh.triangles.size(); ++number) {
-            index_of_triangle_.push_back(LightTree::none);
-            const Material& material = scene.material(index, number);
-            const bool is_lit = glows[static_cast<std::size_t>(&material - description.materials.data())] != 0;
-            EmissiveTriangle triangle{.instance = index,
-                                      .triangle = number,
-                                      .corners = {},
-                                      .normal = {},
-                                      .area_m2 = 0.0f,
-                                      .radiance = 0.0f,
-                                      .is_constant = material.is_constant(),
-                                      .back = is_closed ? back_of_closed : 1.0f};
-            for (int corner = 0; corner < 3; ++corner)
-                triangle.corners[static_cast<std::size_t>(corner)] =
-                    vec3(instance.world_from_object * vec4(mesh.positions[mesh.triangles[number][corner]], 1.0f));
-            const auto& [a, b, c] = triangle.corners;
-            const vec3 cross = sign * glm::cross(b - a, c - a);
-            volume += glm::dot(dvec3(a), dvec3(cross)); // six times that of the solid, where it is one
-            triangle.area_m2 = 0.5f * glm::length(cross);
-            if (!is_lit || !(triangle.area_m2 > 0.0f))
-                continue;
-            triangle.normal = cross / (2.0f * triangle.area_m2);
-            index_of_triangle_.back() = static_cast<std::uint32_t>(triangles_.size());
-            triangles_.push_back(triangle);
-            materials.push_back(&material);
-        }
-        if (volume < 0.0 && is_closed) // its normals look inwards: its back is what shines
-            for (std::size_t triangle = first; triangle < triangles_.size(); ++triangle)
-                triangles_[triangle].back = 1.0f;
+        const auto slots =
+            std::span(description.slot_materials).subspan(instance.first_slot_material, instance.slot_count);
+        if (std::ranges::any_of(slots, [&](std::uint32_t material) { return glows[material] != 0; }) &&
+            (!instance.lights_surfaces().are_none() || instance.lights_media))
+            add_mesh(scene, index, glows);
     }
+    add_shapes(scene, glows);
+    find_boxes(description);
+    find_radiances(scene);
+}
+
+void MeshEmitters::add_mesh(const Scene& scene, std::uint32_t index, std::span<const std::uint8_t> glows) {
+    const SceneDescription& description = scene.description();
+    const Instance& instance = description.instances[index];
+    const TriangleMesh& whole = *description.meshes[instance.mesh_index];
+    const SharedMeshArrays& mesh = whole.arrays();
+    const bool is_closed = whole.is_closed();
+    first_of_instance_[index] = static_cast<std::uint32_t>(index_of_triangle_.size());
+    const float sign = glm::determinant(glm::dmat3(mat3(instance.world_from_object))) < 0.0 ? -1.0f : 1.0f;
+    double volume = 0.0;
+    const std::size_t first = triangles_.size();
+    for (std::uint32_t number = 0; number < mesh.triangles.size(); ++number) {
+        index_of_triangle_.push_back(LightTree::none);
+        const Material& material = scene.material(index, number);
+        const bool is_lit = glows[static_cast<std::size_t>(&material - description.materials.data())] != 0;
+        EmissiveTriangle triangle{.instance = index,
+                                  .triangle = number,
+                                  .corners = {},
+                                  .normal = {},
+                                  .area_m2 = 0.0f,
+                                  .radiance = 0.0f,
+                                  .is_constant = material.is_constant(),
+                                  .back = is_closed ? back_of_closed : 1.0f};
+        for (int corner = 0; corner < 3; ++corner)
+            triangle.corners[static_cast<std::size_t>(corner)] =
+                vec3(instance.world_from_object * vec4(mesh.positions[mesh.triangles[number][corner]], 1.0f));
+        const auto& [a, b, c] = triangle.corners;
+        const vec3 cross = sign * glm::cross(b - a, c - a);
+        volume += glm::dot(dvec3(a), dvec3(cross)); // six times that of the solid, where it is one
+        triangle.area_m2 = 0.5f * glm::length(cross);
+        if (!is_lit || !(triangle.area_m2 > 0.0f))
+            continue;
+        triangle.normal = cross / (2.0f * triangle.area_m2);
+        index_of_triangle_.back() = static_cast<std::uint32_t>(triangles_.size());
+        triangles_.push_back(triangle);
+    }
+    if (volume < 0.0 && is_closed) // its normals look inwards: its back is what shines
+        for (std::size_t triangle = first; triangle < triangles_.size(); ++triangle)
+            triangles_[triangle].back = 1.0f;
+}
+
+void MeshEmitters::add_shapes(const Scene& scene, std::span<const std::uint8_t> glows) {
+    const SceneDescription& description = scene.description();
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> alike; // by shape and material
     for (std::uint32_t number = 0; number < description.placed_shapes.size(); ++number) {
         const PlacedShape& placed = description.placed_shapes[number];
         if (glows[placed.material_index] != 0 && (!placed.lights_surfaces().are_none() || placed.lights_media))
-            met_alone_.push_back(static_cast<std::uint32_t>(description.instances.size()) + number);
+            alike[{placed.shape_index, placed.material_index}].push_back(
+                static_cast<std::uint32_t>(description.instances.size()) + number);
     }
-    find_boxes(description);
+    std::size_t room = most_of_cells / 2; // faces
+    for (const auto& [of, instances] : alike) {
+        const std::size_t most = room / instances.size();
+        std::optional<std::vector<std::uint64_t>> faces;
+        if (description.shapes[of.first]->cells() != nullptr && most > 0)
+            faces = glowing_faces(scene, instances, most);
+        if (!faces) {
+            met_alone_.insert(met_alone_.end(), instances.begin(), instances.end());
+            continue;
+        }
+        room -= faces->size() * instances.size();
+        const auto shared = std::make_shared<const std::vector<std::uint64_t>>(std::move(*faces));
+        for (const std::uint32_t instance : instances)
+            add_faces(scene, instance, shared);
+    }
+    std::ranges::sort(met_alone_);
+}
+
+void MeshEmitters::add_faces(const Scene& scene, std::uint32_t instance,
+                             const std::shared_ptr<const std::vector<std::uint64_t>>& faces) {
+    const PlacedShape& placed = *scene.placed_shape(instance);
+    const CellShape& cells = *scene.description().shapes[placed.shape_index]->cells();
+    faces_of_shape_[instance] = {static_cast<std::uint32_t>(triangles_.size()), faces};
+    const mat3 to_scene(placed.world_from_object);
+    for (const std::uint64_t cell : *faces) {
+        const CellFace face = cells.face(cell);
+        const vec3 corner(placed.world_from_object * vec4(face.corner, 1.0f)), first = to_scene * face.first_edge,
+                                                                               second = to_scene * face.second_edge;
+        const Bounds3 box = cells.box(cell);
+        vec3 cross = glm::cross(first, second);
+        if (glm::dot(cross, corner - vec3(placed.world_from_object * vec4(box.centre(), 1.0f))) < 0.0f)
+            cross = -cross;
+        EmissiveTriangle half{.instance = instance,
+                              .triangle = 0,
+                              .cell = cell,
+                              .corners = {corner, corner + first, corner + second},
+                              .normal = unit_or(cross, vec3(0, 0, 1)),
+                              .area_m2 = 0.5f * glm::length(cross),
+                              .radiance = 0.0f,
+                              .is_constant = scene.material(instance, 0).is_constant(),
+                              .back = 0.0f};
+        triangles_.push_back(half);
+        half.is_upper = true;
+        half.corners = {corner + first + second, corner + second, corner + first};
+        triangles_.push_back(half);
+    }
+}
+
+void MeshEmitters::find_radiances(const Scene& scene) {
     struct Sum {
         float radiance_m2 = 0.0f, area_m2 = 0.0f;
     };
     std::map<const Material*, Sum> sums;
+    const auto material_of = [&](const EmissiveTriangle& triangle) -> const Material& {
+        return scene.material(triangle.instance, triangle.triangle);
+    };
     const auto place_count =
         static_cast<std::uint32_t>(std::clamp<std::size_t>(65536 / (triangles_.size() + 1), 2, 64));
     parallel_for(triangles_.size(), Progress{}, [&](std::size_t index) {
         EmissiveTriangle& triangle = triangles_[index];
-        triangle.radiance = triangle.is_constant ? size_of(constant_emission(*materials[index]))
+        triangle.radiance = triangle.is_constant ? size_of(constant_emission(material_of(triangle)))
                                                  : mean_radiance(scene, triangle, place_count);
     });
-    for (std::size_t index = 0; index < triangles_.size(); ++index) {
-        Sum& sum = sums[materials[index]];
-        sum.radiance_m2 += triangles_[index].radiance * triangles_[index].area_m2;
-        sum.area_m2 += triangles_[index].area_m2;
+    for (const EmissiveTriangle& triangle : triangles_) {
+        Sum& sum = sums[&material_of(triangle)];
+        sum.radiance_m2 += triangle.radiance * triangle.area_m2;
+        sum.area_m2 += triangle.area_m2;
     }
-    for (std::size_t index = 0; index < triangles_.size(); ++index)
-        if (const auto& [radiance_m2, area_m2] = sums[materials[index]]; !triangles_[index].is_constant)
-            triangles_[index].radiance =
-                std::max({triangles_[index].radiance, least_share * radiance_m2 / area_m2, 1e-6f});
+    for (EmissiveTriangle& triangle : triangles_)
+        if (const auto& [radiance_m2, area_m2] = sums[&material_of(triangle)]; !triangle.is_constant && area_m2 > 0.0f)
+            triangle.radiance = std::max({triangle.radiance, least_share * radiance_m2 / area_m2, 1e-6f});
 }
 
 std::vector<std::uint32_t> MeshEmitters::instances() const {
@@ -189,8 +242,18 @@ LightBounds MeshEmitters::bounds_of(const EmissiveTriangle& triangle) {
 }
 
 std::uint32_t MeshEmitters::index_of(const Hit& hit) const {
-    if (hit.instance >= first_of_instance_.size() || first_of_instance_[hit.instance] == LightTree::none)
+    if (hit.instance < first_of_instance_.size())
+        return first_of_instance_[hit.instance] == LightTree::none
+                   ? LightTree::none
+                   : index_of_triangle_[first_of_instance_[hit.instance] + hit.triangle];
+    const auto of_shape = faces_of_shape_.find(hit.instance);
+    if (of_shape == faces_of_shape_.end())
         return LightTree::none;
-    return index_of_triangle_[first_of_instance_[hit.instance] + hit.triangle];
+    const auto& [first, faces] = of_shape->second;
+    const auto face = std::ranges::lower_bound(*faces, hit.cell);
+    if (face == faces->end() || *face != hit.cell)
+        return LightTree::none;
+    const bool is_upper = hit.barycentrics.x + hit.barycentrics.y > 1.0f;
+    return first + 2 * static_cast<std::uint32_t>(face - faces->begin()) + (is_upper ? 1u : 0u);
 }
 } // namespace tyndall::render

@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What glows, as lights: triangles of meshes, how bright they are, and places on them for one point; and shapes that rays
-// meet by chance alone.
+// What glows, as lights: triangles of meshes and halves of cells' faces, how bright they are, and places on them for one
+// point; and shapes that rays meet by chance alone.
 // Based on: Arvo, Stratified Sampling of Spherical Triangles, SIGGRAPH 1995, for those that are wide as seen from the point.
 // Differs:  others are sampled by area. How bright a triangle is that a program colours is asked at a few of its places;
 //           those that seem dark there are drawn seldom, not never.
+//           Of hair, points, and more faces of cells than most_of_cells no place is aimed at.
 // Bound:    100 bytes a triangle.
 #pragma once
 #include "render/light_tree.hpp"
 #include "scene/scene.hpp"
 #include <algorithm>
+#include <memory>
+#include <unordered_map>
 #include <vector>
 
 namespace tyndall::render {
 struct EmissiveTriangle {
     std::uint32_t instance, triangle;
+    std::uint64_t cell = 0; ///< And face, as a Hit has them; of meshes 0.
+    bool is_upper = false;  ///< Of that face the half that ends where both of its edges do.
     std::array<vec3, 3> corners;
     vec3 normal; ///< Unit, as a Hit has it.
     float area_m2;
@@ -30,12 +35,13 @@ struct TrianglePoint {
 };
 
 /// As a ray would meet that place, at this distance.
-[[nodiscard]] inline Hit hit_at(const EmissiveTriangle& triangle, const TrianglePoint& place, float distance_m) {
+[[nodiscard]] inline Hit hit_at(const EmissiveTriangle& triangle, vec2 barycentrics, float distance_m) {
     Hit hit;
     hit.distance_m = distance_m;
     hit.instance = triangle.instance;
     hit.triangle = triangle.triangle;
-    hit.barycentrics = place.barycentrics;
+    hit.cell = triangle.cell;
+    hit.barycentrics = triangle.is_upper ? 1.0f - barycentrics : barycentrics;
     hit.geometric_normal = triangle.normal;
     return hit;
 }
@@ -43,6 +49,8 @@ struct TrianglePoint {
 /// Of the instances that light surfaces, or media.
 class MeshEmitters {
 public:
+    static constexpr std::size_t most_of_cells = std::size_t{1} << 17; ///< Triangles.
+
     MeshEmitters() = default;
     explicit MeshEmitters(const Scene& scene);
 
@@ -65,13 +73,23 @@ public:
                                       RayKind kind = RayKind::Diffuse);
 
 private:
+    void add_mesh(const Scene& scene, std::uint32_t instance, std::span<const std::uint8_t> glows);
+    void add_shapes(const Scene& scene, std::span<const std::uint8_t> glows);
+    void add_faces(const Scene& scene, std::uint32_t instance,
+                   const std::shared_ptr<const std::vector<std::uint64_t>>& faces);
+    void find_radiances(const Scene& scene);
     void find_boxes(const SceneDescription& scene);
 
     std::vector<EmissiveTriangle> triangles_;
     std::vector<std::uint32_t> first_of_instance_; ///< Into index_of_triangle_; none: it does not glow.
     std::vector<std::uint32_t> index_of_triangle_;
-    std::vector<std::uint32_t> met_alone_; ///< Ascending.
-    std::vector<Bounds3> boxes_;           ///< Around all that glows: one for each object, or one for many.
+    struct CellFaces {
+        std::uint32_t first = 0; ///< Two triangles a face.
+        std::shared_ptr<const std::vector<std::uint64_t>> faces;
+    };
+    std::unordered_map<std::uint32_t, CellFaces> faces_of_shape_; ///< By the instance of a Hit.
+    std::vector<std::uint32_t> met_alone_;                        ///< Ascending.
+    std::vector<Bounds3> boxes_; ///< Around all that glows: one for each object, or one for many.
 };
 /// Uniform in the solid angle where that is wide, else in the area.
 [[nodiscard]] TrianglePoint triangle_point(const std::array<vec3, 3>& corners, const vec3& from, vec2 u);

@@ -5,9 +5,12 @@
 #include "scene/camera.hpp"
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace tyndall {
 /// Where a ray meets the first cell on its way.
@@ -72,6 +75,10 @@ public:
     /// Whether that number is of a cube of cells.
     [[nodiscard]] virtual bool is_cube(std::uint64_t /*cell*/) const { return false; }
     [[nodiscard]] virtual CellLook look(std::uint64_t cell) const = 0;
+    /// Faces that no other cell covers, as closest_hit() numbers them, of cells that look as wanted; nothing where there
+    /// are more than `most`, or they would have to be looked for among too many cells.
+    [[nodiscard]] virtual std::optional<std::vector<std::uint64_t>>
+    open_faces(const std::function<bool(const CellLook&)>& is_wanted, std::size_t most) const = 0;
     /// Of what materials may read of cells, beside the colour; 4 at most.
     [[nodiscard]] virtual std::span<const std::string> channel_names() const = 0;
     /// Some cell has a normal of its own.

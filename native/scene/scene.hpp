@@ -231,6 +231,8 @@ public:
     /// Appends lobes to `lobes`, where there is such a list; see evaluate().
     [[nodiscard]] SurfaceClosures closures(const AskingRay& asking, const ShadingPoint& point, const Hit& hit,
                                            std::vector<Lobe>* lobes = nullptr) const;
+    /// What a cell of a placed shape that looks so would emit where the ray meets the hit, as a light.
+    [[nodiscard]] Rgb emission_of(const CellLook& look, const Ray& ray, RayKind kind, const Hit& hit) const;
     /// closures().transparent alone, as rays of this kind see it, at less cost.
     [[nodiscard]] Rgb transparency(const Ray& ray, const Hit& hit, RayKind kind = RayKind::Shadow) const;
     /// Wherever, and by whichever ray of light, such a hit is met, it lets nothing pass.

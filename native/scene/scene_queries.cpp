@@ -284,6 +284,20 @@ SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& poi
     return closures;
 }
 
+Rgb Scene::emission_of(const CellLook& look, const Ray& ray, RayKind kind, const Hit& hit) const {
+    const Material& surface = material(hit.instance, hit.triangle);
+    if (surface.is_constant())
+        return constant_emission(surface);
+    ShadingPoint point{.position = ray.origin + hit.distance_m * ray.direction,
+                       .geometric_normal = hit.geometric_normal,
+                       .shading_normal = hit.geometric_normal};
+    point.view_cosine = view_cosine(point, ray);
+    std::vector<vec2> uvs;
+    look_up_uvs(*shape_of(*placed_shape(hit.instance)).cells(), look, surface, uvs);
+    return evaluate(surface, program_point({.ray = ray, .kind = kind, .is_of_light = true}, point, hit, surface), uvs)
+        .emission;
+}
+
 SurfaceClosures Scene::closures(const Ray& ray, const Hit& hit) const {
     return closures({.ray = ray}, shading_point(ray, hit), hit);
 }

@@ -12,6 +12,7 @@
 #include "voxel_dag/run_array.hpp"
 #include "voxel_dag/stored_order.hpp"
 #include "voxel_dag/voxel_attributes.hpp"
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -73,6 +74,10 @@ public:
     /// has no voxel. Level least_mean_level or above: only where has_means(). dag is the one that these belong to.
     [[nodiscard]] std::optional<VoxelSample> sample_at(const PackedDag& dag, const Voxel& voxel,
                                                        std::uint32_t level) const;
+
+    /// Entries of voxels that carry what is wanted, rising; nothing where there are more than `most`.
+    [[nodiscard]] std::optional<std::vector<std::uint64_t>>
+    entries_where(const std::function<bool(const VoxelSample&)>& is_wanted, std::size_t most) const;
 
 private:
     struct Materials {

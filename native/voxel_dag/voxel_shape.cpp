@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/voxel_shape.hpp"
 #include "image/srgb.hpp"
+#include "voxel_dag/decode.hpp"
 #include "voxel_dag/node_shares.hpp"
 #include "voxel_dag/tracer.hpp"
 #include "voxel_dag/tree_nodes.hpp"
+#include "voxel_dag/voxels_of_entries.hpp"
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -24,8 +26,8 @@ struct FaceCode {
         : voxel(voxel_at((cell & ((std::uint64_t{1} << level_bit) - 1)) >> 3)),
           axis(static_cast<std::uint32_t>(cell >> 1 & 3)), is_upper((cell & 1) != 0),
           level(static_cast<std::uint32_t>(cell >> level_bit)) {}
-    FaceCode(const VoxelHit& hit, std::uint32_t across, bool looks_up)
-        : voxel(hit.voxel), axis(across), is_upper(looks_up), level(hit.level) {}
+    FaceCode(const Voxel& lowest, std::uint32_t across, bool looks_up, std::uint32_t of_level = 0)
+        : voxel(lowest), axis(across), is_upper(looks_up), level(of_level) {}
     [[nodiscard]] std::uint64_t number() const {
         return std::uint64_t{level} << level_bit | morton_code(voxel) << 3 | std::uint64_t{axis} << 1 |
                std::uint64_t{is_upper};
@@ -131,16 +133,26 @@ public:
         if (cube.level >= least_mean_level && !placed_->attributes->has_means())
             go_to_part(cube);
         const auto sample = placed_->attributes->sample_at(placed_->dag, cube.voxel, cube.level);
-        if (!sample)
-            return look;
-        if (placed_->attributes->layout().has_colors)
-            for (int channel = 0; channel < 3; ++channel)
-                look.color[channel] =
-                    linear_from_srgb(static_cast<float>(sample->color >> 8 * channel & 0xff) / 255.0f);
-        look.normal = sample->normal;
-        for (std::size_t channel = 0; channel < look.channels.size(); ++channel)
-            look.channels[channel] = static_cast<float>(sample->channels[channel]) / 255.0f;
-        return look;
+        return sample ? look_of(*sample) : look;
+    }
+    [[nodiscard]] std::optional<std::vector<std::uint64_t>>
+    open_faces(const std::function<bool(const CellLook&)>& is_wanted, std::size_t most) const override {
+        const std::optional<std::vector<Voxel>> voxels = voxels_where(is_wanted, most);
+        if (!voxels)
+            return std::nullopt;
+        std::vector<std::uint64_t> faces;
+        for (const Voxel& voxel : *voxels)
+            for (std::uint32_t axis = 0; axis < 3; ++axis)
+                for (const bool is_upper : {false, true}) {
+                    Voxel beside = voxel; // below 0 there is none, as beyond the last
+                    beside[axis] += is_upper ? 1u : ~0u;
+                    if (placed_->dag.contains(beside))
+                        continue;
+                    if (faces.size() == most)
+                        return std::nullopt;
+                    faces.push_back(FaceCode(voxel, axis, is_upper).number());
+                }
+        return faces;
     }
     [[nodiscard]] std::span<const std::string> channel_names() const override {
         return placed_->attributes == nullptr ? std::span<const std::string>()
@@ -153,6 +165,7 @@ public:
 
 private:
     static constexpr std::size_t most_rays = 16;
+    static constexpr std::uint64_t most_searched = std::uint64_t{1} << 28; ///< Voxels: a second, about.
 
     /// `from_m`: where the ray in voxels begins, on the ray.
     [[nodiscard]] static CellHit cell_hit(const Ray& ray, const VoxelRay& in_voxels, float from_m,
@@ -161,7 +174,7 @@ private:
             return {};
         const std::uint32_t axis = hit.axis < 3 ? hit.axis : largest_axis(in_voxels.direction);
         const auto a = static_cast<int>(axis);
-        const FaceCode face(hit, axis, in_voxels.direction[a] < 0.0);
+        const FaceCode face(hit.voxel, axis, in_voxels.direction[a] < 0.0, hit.level);
         CellHit result{.distance_m = std::min(static_cast<float>(double{from_m} + hit.distance), ray.far_m),
                        .cell = face.number(),
                        .normal = vec3(0.0f)};
@@ -173,6 +186,45 @@ private:
             result.on_face[edge] = static_cast<float>(std::clamp(within / face.width(), 0.0, 1.0));
         }
         return result;
+    }
+    [[nodiscard]] CellLook look_of(const VoxelSample& sample) const {
+        CellLook look;
+        if (placed_->attributes->layout().has_colors)
+            for (int channel = 0; channel < 3; ++channel)
+                look.color[channel] = linear_from_srgb(static_cast<float>(sample.color >> 8 * channel & 0xff) / 255.0f);
+        look.normal = sample.normal;
+        for (std::size_t channel = 0; channel < look.channels.size(); ++channel)
+            look.channels[channel] = static_cast<float>(sample.channels[channel]) / 255.0f;
+        return look;
+    }
+    /// In any order.
+    [[nodiscard]] std::optional<std::vector<Voxel>> voxels_where(const std::function<bool(const CellLook&)>& is_wanted,
+                                                                 std::size_t most) const {
+        const PackedDag& dag = placed_->dag;
+        if (placed_->attributes != nullptr) {
+            if (dag.voxel_count > most_searched)
+                return std::nullopt;
+            const auto entries = placed_->attributes->entries_where(
+                [&](const VoxelSample& sample) { return is_wanted(look_of(sample)); }, most);
+            if (!entries)
+                return std::nullopt;
+            return voxels_of_entries(dag, placed_->attributes->parts().order, *entries);
+        }
+        std::vector<Voxel> voxels;
+        if (dag.is_empty() || !is_wanted(CellLook{}))
+            return voxels;
+        if (dag.voxel_count > most)
+            return std::nullopt;
+        decode(
+            dag, most,
+            [&](const LeafMasks& part) {
+                for (std::size_t brick = 0; brick < part.codes.size(); ++brick)
+                    for (std::uint64_t left = part.masks[brick]; left != 0; left &= left - 1)
+                        voxels.push_back(
+                            voxel_at(part.codes[brick] << 6 | static_cast<std::uint64_t>(std::countr_zero(left))));
+            },
+            Progress{});
+        return voxels;
     }
     /// From a voxel that was found to stop the ray to the cube around it whose means it is to show, if there are any.
     void widen(const VoxelRay& ray, VoxelHit& hit) const {

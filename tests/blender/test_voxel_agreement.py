@@ -8,6 +8,7 @@ other by the colour attribute that the export writes, which the material of the 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import bpy
@@ -17,7 +18,7 @@ from mathutils import Matrix, Vector
 from numpy.typing import NDArray
 
 from support.cycles_reference import prepare_cycles, rendered_pixels, save_side_by_side
-from support.small_scenes import add, empty_scene, light, material, node, plane
+from support.small_scenes import Node, add, empty_scene, light, material, node, plane
 from tyndall.voxel_dag import Config, from_coordinates
 
 PICTURES = Path(__file__).parents[2] / "out" / "voxel_agreement"
@@ -64,17 +65,19 @@ def stage(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[bpy.types.Obj
     return box, bpy.context.object
 
 
-def shown(engine: str, thing: bpy.types.Object, *others: bpy.types.Object) -> NDArray[np.float64]:
+def shown(
+    engine: str, thing: bpy.types.Object, *others: bpy.types.Object, samples: int = SAMPLES
+) -> NDArray[np.float64]:
     """The one, and not the others; box-filtered."""
     scene = bpy.context.scene
     for one in (thing, *others):
         one.hide_render = one is not thing
     if engine == "CYCLES":
-        prepare_cycles(scene, SAMPLES, seed=1)
+        prepare_cycles(scene, samples, seed=1)
         scene.cycles.pixel_filter_type = "BOX"
     else:
         scene.render.engine, ours = engine, scene.tyndall
-        ours.pixel_samples, ours.noise_threshold = SAMPLES, 0.0
+        ours.pixel_samples, ours.noise_threshold = samples, 0.0
         ours.pixel_filter, ours.filter_width_px = "BOX", 1.0
     return rendered_pixels(scene)
 
@@ -103,6 +106,45 @@ def test_voxels_look_as_their_boxes(
     assert abs(float(voxels.mean() - cycles.mean())) < 0.001 * level
     assert float(np.median(errors)) < 0.002 * level
     assert float(errors.max()) < 0.012 * float(cycles.max())
+
+
+def _red_ones_glow(new: Callable[[str], Node], link: Callable[..., object]) -> bpy.types.NodeSocket:
+    """Of the coloured torus those that lie farthest along x: a tenth."""
+    attribute, apart, more = node(new, "ShaderNodeAttribute"), node(new, "ShaderNodeSeparateXYZ"), new("ShaderNodeMath")
+    attribute.attribute_name = "Color"
+    link(attribute.outputs["Color"], apart.inputs[0])
+    more.operation, more.inputs[1].default_value = "GREATER_THAN", 0.45
+    link(apart.outputs[0], more.inputs[0])
+    times, glow = node(new, "ShaderNodeMath"), new("ShaderNodeEmission")
+    times.operation, times.inputs[1].default_value = "MULTIPLY", 30.0
+    link(more.outputs[0], times.inputs[0])
+    link(times.outputs[0], glow.inputs["Strength"])
+    link(attribute.outputs["Color"], glow.inputs["Color"])
+    return glow.outputs[0]
+
+
+# Seen to fail where voxels lit nothing.
+@pytest.mark.dealt
+@pytest.mark.parametrize("stage", ["coloured"], indirect=True)
+def test_voxels_that_glow_light_the_floor_and_each_other_as_their_boxes_do(
+    stage: tuple[bpy.types.Object, bpy.types.Object],
+) -> None:
+    box, boxes = stage
+    bpy.data.objects.remove(bpy.data.objects["Sun"])
+    glow = material("Glow", _red_ones_glow)
+    for thing in stage:
+        thing.data.materials.clear()
+        thing.data.materials.append(glow)
+    voxels, mesh = (shown("TYNDALL", *pair, samples=36) for pair in (stage, stage[::-1]))
+    cycles = shown("CYCLES", boxes, box)
+    save_side_by_side(PICTURES / "glow.png", voxels, cycles)
+    lit = cycles.max(axis=2) < 0.5 * cycles.max()  # the floor, not what glows
+    level = float(cycles[lit].mean())
+    assert level > 0.02
+    assert float(voxels[lit].mean()) == pytest.approx(level, rel=0.01)
+    assert float(voxels[lit].mean()) == pytest.approx(float(mesh[lit].mean()), rel=0.004)
+    errors = np.abs(block_means(voxels) - block_means(cycles)).mean(axis=2)
+    assert float(np.median(errors)) < 0.01 * level
 
 
 def test_voxels_with_normals_look_smooth(tmp_path: Path) -> None:

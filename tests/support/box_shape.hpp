@@ -45,6 +45,18 @@ public:
     }
     [[nodiscard]] Bounds3 box(std::uint64_t cell) const override { return box(cells_[cell / 8]); }
     [[nodiscard]] CellLook look(std::uint64_t) const override { return {.normal = normal_}; }
+    [[nodiscard]] std::optional<std::vector<std::uint64_t>>
+    open_faces(const std::function<bool(const CellLook&)>& is_wanted, std::size_t most) const override {
+        std::vector<std::uint64_t> faces;
+        for (std::uint64_t face = 0; face < 6 * cells_.size(); ++face) {
+            const std::uint64_t number = face / 6 * 8 + face % 6;
+            glm::ivec3 beside = cells_[face / 6];
+            beside[static_cast<int>(face % 6 / 2)] += face % 2 == 1 ? 1 : -1;
+            if (is_wanted(look(number)) && std::ranges::find(cells_, beside) == cells_.end())
+                faces.push_back(number);
+        }
+        return faces.size() <= most ? std::optional(faces) : std::nullopt;
+    }
     [[nodiscard]] std::span<const std::string> channel_names() const override { return {}; }
     [[nodiscard]] bool has_normals() const override { return normal_ != vec3(0.0f); }
     [[nodiscard]] bool is_occluded(const Ray& ray) const override { return closest_hit(ray).is_hit(); }

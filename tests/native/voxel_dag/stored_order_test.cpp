@@ -2,6 +2,7 @@
 #include "support/packed_voxels.hpp"
 #include "support/voxel_sets.hpp"
 #include "voxel_dag/stored_order.hpp"
+#include "voxel_dag/voxels_of_entries.hpp"
 #include <doctest/doctest.h>
 #include <map>
 #include <numeric>
@@ -101,6 +102,27 @@ TEST_CASE("numbers of nodes count the tree's nodes of 16^3 and more, each once")
     CHECK(full.order.node_count == 1 + 8 + 64);
     const Ordered one(leaf_masks_of({{131071, 7, 65536}}, 17), Symmetry::Cube);
     CHECK(one.order.node_count == 17 - 3);
+}
+
+// Seen to fail where octants were taken as they are stored.
+TEST_CASE("entries lead back to the voxels that they are of") {
+    for (const Symmetry symmetry : {Symmetry::None, Symmetry::Reflections, Symmetry::Cube})
+        for (const std::uint32_t level : {2u, 3u, 5u, 8u}) {
+            const Ordered set(level < 8 ? random_voxels(level, 0.2, level) : sphere_voxels(8, {99.3, 130, 140}, 70),
+                              symmetry);
+            const std::vector<Voxel> voxels = listed(set.voxels);
+            for (const std::uint64_t step : {1u, 7u, 1000u}) {
+                std::vector<std::uint64_t> entries;
+                for (std::uint64_t entry = step / 2; entry < voxels.size(); entry += step)
+                    entries.push_back(entry);
+                const std::vector<Voxel> found = voxels_of_entries(set.dag, set.order, entries);
+                REQUIRE(found.size() == entries.size());
+                for (std::size_t i = 0; i < found.size(); ++i)
+                    REQUIRE(found[i] == voxels[set.stored[entries[i]]]);
+            }
+            CHECK_THROWS_AS((void)voxels_of_entries(set.dag, set.order, std::vector<std::uint64_t>{voxels.size()}),
+                            InvalidInput);
+        }
 }
 
 TEST_CASE("where no voxel is, none is found, and nothing beyond the cube") {

@@ -2,6 +2,7 @@
 // A DAG in a scene: the same voxels, met where tracing alone meets them.
 #include "image/srgb.hpp"
 #include "scene/scene.hpp"
+#include "support/packed_voxels.hpp"
 #include "support/voxel_sets.hpp"
 #include "voxel_dag/build_dag.hpp"
 #include "voxel_dag/encode_attributes.hpp"
@@ -108,6 +109,45 @@ TEST_CASE("in a scene, rays meet the voxels that tracing alone meets") {
         CHECK(glm::length(point.position - (ray.origin + hit.distance_m * ray.direction)) < 4e-6f);
     }
     CHECK(hits > 1000);
+}
+
+TEST_CASE("open faces of wanted voxels are those that a ray from beside each meets") {
+    const LeafMasks voxels = random_voxels(4, 0.3, 11);
+    const Progress progress;
+    auto placed = std::make_shared<PlacedDag>(PlacedDag{packed(voxels, Symmetry::Cube), cube_m});
+    for (const bool has_colors : {false, true}) {
+        VoxelAttributes attributes;
+        for (std::uint64_t voxel = 0; voxel < voxels.voxel_count(); ++voxel)
+            attributes.colors.push_back(voxel % 5 == 0 ? 0x0000ffu : 0xff0000u);
+        if (has_colors)
+            placed->attributes = encode_attributes(placed->dag, attributes, {}, progress);
+        const auto shape = make_voxel_shape(placed, "voxels");
+        const auto is_red = [&](const CellLook& look) { return !has_colors || look.color.x > look.color.z; };
+        std::vector<std::uint64_t> truth;
+        const double width_m = cube_m.side_m / 16;
+        std::uint64_t number = 0;
+        for (const Voxel& voxel : listed(voxels)) {
+            const bool is_wanted = !has_colors || number++ % 5 == 0;
+            for (int face = 0; is_wanted && face < 6; ++face) {
+                dvec3 out(0.0);
+                out[face / 2] = face % 2 == 0 ? -1.0 : 1.0;
+                const dvec3 middle = cube_m.lower_m + width_m * (dvec3(voxel[0], voxel[1], voxel[2]) + 0.5);
+                const CellHit hit = shape->closest_hit(
+                    {.origin = vec3(middle + 0.75 * width_m * out), .direction = vec3(-out), .near_m = 0.0f});
+                if (hit.distance_m > 0.1f * static_cast<float>(width_m)) // nothing is there to begin in
+                    truth.push_back(hit.cell);
+            }
+        }
+        std::optional<std::vector<std::uint64_t>> faces = shape->open_faces(is_red, 6 * 4096);
+        REQUIRE(faces);
+        std::ranges::sort(*faces);
+        std::ranges::sort(truth);
+        CHECK(truth.size() > (has_colors ? 500 : 3000));
+        CHECK(*faces == truth);
+        CHECK(shape->open_faces(is_red, truth.size()));
+        CHECK_FALSE(shape->open_faces(is_red, truth.size() - 1));
+        CHECK(shape->open_faces([](const CellLook&) { return false; }, 0)->empty());
+    }
 }
 
 TEST_CASE("a voxel's colour multiplies its material's, and its normal shades it on the side that is seen") {
