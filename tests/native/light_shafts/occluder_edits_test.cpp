@@ -4,6 +4,7 @@
 #include "light_shafts/map_visibility.hpp"
 #include "light_shafts/occluder_edits.hpp"
 #include "light_shafts/row_query.hpp"
+#include "support/close_to.hpp"
 #include "support/scenes.hpp"
 #include "support/shaft_settings.hpp"
 #include <doctest/doctest.h>
@@ -140,7 +141,7 @@ TEST_CASE("a hole closes, too, for a camera that sees nothing but the middle of 
                 OccluderEdit close{.name = "close", .kind = edit, .size_m = size_m, .distance_m = 5.0f};
                 return total(lit_lengths(*edited(stage, {close}, 4096), stage.rays));
             };
-            CHECK(lit_with(1e-4f) == doctest::Approx(0.1 * static_cast<double>(middle.size())).epsilon(1e-3));
+            CHECK(lit_with(1e-4f) == close_to(0.1 * static_cast<double>(middle.size()), 1e-3));
             CHECK(lit_with(1.4f) == 0.0);
         }
 }
@@ -177,7 +178,7 @@ TEST_CASE("the share of holes is the share of light that comes through a plate")
             holes.noise.scale_m = 0.1f;
             const double share = total(lit_lengths(*edited(stage, {holes}, 2048), stage.rays)) / open;
             // Some 8 x 8 m of the plate matter: 6,400 cells, each much like a draw of its own.
-            CHECK(share == doctest::Approx(probability).epsilon(0.1));
+            CHECK(share == close_to(probability, 0.1));
         }
     }
 }
@@ -198,8 +199,7 @@ TEST_CASE("a silhouette grows away from the camera: the air before the object is
         grow.size_m = 1.5f;
         const auto after = edited(stage, {grow}, 2048);
         // A lamp's lines are others once they leave room for the filter: half a line here or there.
-        CHECK(total(lit_lengths(*after, in_front)) ==
-              doctest::Approx(total(lit_lengths(*before, in_front))).epsilon(5e-4));
+        CHECK(total(lit_lengths(*after, in_front)) == close_to(total(lit_lengths(*before, in_front)), 5e-4));
         // Its shadow is 1.7 m deep instead of 0.2 m.
         const double shadow_before = total(lit_lengths(*before, stage.rays)),
                      shadow_after = total(lit_lengths(*after, stage.rays));
@@ -208,7 +208,7 @@ TEST_CASE("a silhouette grows away from the camera: the air before the object is
         const vec3 towards = vec3(0.0f, 1.0f, -0.5f) - stage.view.position;
         const float distance_m = glm::length(towards);
         stage.rays = {{stage.view.position, towards / distance_m, distance_m - 0.02f, distance_m + 0.02f}};
-        CHECK(total(lit_lengths(*before, stage.rays)) == doctest::Approx(0.04).epsilon(1e-3));
+        CHECK(total(lit_lengths(*before, stage.rays)) == close_to(0.04, 1e-3));
         CHECK(total(lit_lengths(*edited(stage, {grow}, 4096), stage.rays)) == 0.0);
     }
 }

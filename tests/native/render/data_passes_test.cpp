@@ -4,6 +4,7 @@
 #include "render/data_passes.hpp"
 #include "render/frame.hpp"
 #include "render/matte_id.hpp"
+#include "support/close_to.hpp"
 #include "support/scenes.hpp"
 #include <bit>
 #include <cmath>
@@ -95,8 +96,8 @@ TEST_CASE("layers share a pixel by what each covers, and the largest share comes
     const Film film = film_of(*scene, config_with({"CryptoMaterial"}));
     const auto shares = matte_at(film, "CryptoMaterial", middle, 3);
     REQUIRE(shares.size() == 2);
-    CHECK(shares.at(matte_id("pane")) == doctest::Approx(0.25));
-    CHECK(shares.at(matte_id("floor")) == doctest::Approx(0.75));
+    CHECK(shares.at(matte_id("pane")) == close_to(0.25, 1e-5));
+    CHECK(shares.at(matte_id("floor")) == close_to(0.75, 1e-5));
     CHECK(plane_of(film, "CryptoMaterial00").values[4 * middle] == matte_id("floor"));
 }
 
@@ -110,7 +111,7 @@ TEST_CASE("mattes of a picture add up to its alpha") {
         double sum = 0.0;
         for (const auto& [id, share] : matte_at(film, "CryptoObject", pixel, 3))
             sum += share;
-        REQUIRE(sum == doctest::Approx(combined[4 * pixel + 3]).epsilon(1e-5));
+        REQUIRE(sum == close_to(combined[4 * pixel + 3], 1e-5));
     }
 }
 
@@ -130,8 +131,8 @@ TEST_CASE("more names than ranks: the last rank takes what is left, and nothing 
     double sum = 0.0;
     for (const auto& [id, share] : shares)
         sum += share;
-    CHECK(sum == doctest::Approx(1.0));
-    CHECK(shares.at(matte_id("layer 0")) == doctest::Approx(0.4));
+    CHECK(sum == close_to(1.0, 1e-5));
+    CHECK(shares.at(matte_id("layer 0")) == close_to(0.4, 1e-5));
 }
 
 TEST_CASE("assets and indices go by the names that they are given for") {
@@ -144,7 +145,7 @@ TEST_CASE("assets and indices go by the names that they are given for") {
     const Film film = film_of(*scene, config);
     const auto assets = matte_at(film, "CryptoAsset", middle, 3);
     REQUIRE(assets.size() == 1);
-    CHECK(assets.at(matte_id("house")) == doctest::Approx(1.0));
+    CHECK(assets.at(matte_id("house")) == close_to(1.0, 1e-5));
     CHECK(plane_of(film, "IndexMA").values[middle] == 7.0f); // the pane covers less than half
     CHECK(matte_at(film, "CryptoMaterial", middle, 3).count(matte_id("window")) == 1);
 }
@@ -158,8 +159,8 @@ TEST_CASE("mist rises with the distance of what covers, from 0 at its start to 1
     };
     // A pixel in the middle of 16 is off the axis by half a pixel.
     const double side = 0.5 * 0.9 / 16, distance_m = 5.0 * std::sqrt(1.0 + 2.0 * side * side);
-    CHECK(mist(4, 4, 1.0f)[middle] == doctest::Approx((distance_m - 4) / 4).epsilon(1e-5));
-    CHECK(mist(4, 4, 2.0f)[middle] == doctest::Approx(std::pow((distance_m - 4) / 4, 2)).epsilon(1e-5));
+    CHECK(mist(4, 4, 1.0f)[middle] == close_to((distance_m - 4) / 4, 1e-5));
+    CHECK(mist(4, 4, 2.0f)[middle] == close_to(std::pow((distance_m - 4) / 4, 2), 1e-5));
     CHECK(mist(6, 4, 1.0f)[middle] == 0.0f);
     CHECK(mist(1, 2, 2.0f)[middle] == 1.0f);
     CHECK(mist(6, 0, 2.0f)[middle] == 0.0f);

@@ -4,12 +4,14 @@
 #include "core/sampling.hpp"
 #include "core/sobol.hpp"
 #include "render/light_cluster.hpp"
+#include "support/close_to.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
 #include <numbers>
 
 namespace light_cluster_test {
 using namespace tyndall;
+using tyndall::support::close_to;
 using namespace tyndall::render;
 
 namespace {
@@ -53,7 +55,7 @@ TEST_CASE("the cone around two cones is the narrowest") {
                 CAPTURE(between);
                 CAPTURE(first);
                 CAPTURE(second);
-                CHECK(spread(both) == doctest::Approx(wanted).epsilon(1e-4).scale(0.01));
+                CHECK(spread(both) == close_to(wanted, 1e-4).scale(0.01));
                 CHECK(outside(both, cone(x, first)) < 1e-5);
                 CHECK(outside(both, cone(other, second)) < 1e-5);
             }
@@ -88,7 +90,7 @@ TEST_CASE("a cluster holds all that was added, turned round where it shines on b
             cluster += LightCluster(lights.back());
         }
         CAPTURE(set);
-        CHECK(cluster.power == doctest::Approx(40.0f));
+        CHECK(cluster.power == close_to(40.0f, 1e-5));
         double worst = -pi_64;
         for (const LightBounds& light : lights)
             worst = std::max(worst, outside(cluster, light));
@@ -112,7 +114,7 @@ TEST_CASE("a cluster costs what the paper's integral over its directions says") 
             }
             CAPTURE(spread_rad);
             CAPTURE(reach_rad);
-            CHECK(LightCluster(light).cost(0.0f) == doctest::Approx(3.0 * directions).epsilon(1e-4));
+            CHECK(LightCluster(light).cost(0.0f) == close_to(3.0 * directions, 1e-4));
         }
 }
 } // namespace light_cluster_test

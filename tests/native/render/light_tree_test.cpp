@@ -4,11 +4,13 @@
 #include "core/sobol.hpp"
 #include "render/light_tree.hpp"
 #include "support/chi_square.hpp"
+#include "support/close_to.hpp"
 #include <doctest/doctest.h>
 #include <numbers>
 
 namespace light_tree_test {
 using namespace tyndall;
+using tyndall::support::close_to;
 using namespace tyndall::render;
 
 namespace {
@@ -62,7 +64,7 @@ TEST_CASE("a light tree chooses with the probabilities that it tells, which add 
             if (light == LightTree::none)
                 continue;
             drawn += 1.0 / draws;
-            CHECK(probability == doctest::Approx(tree.probability(light, point, normal)).epsilon(1e-4));
+            CHECK(probability == close_to(tree.probability(light, point, normal), 1e-4));
             seen[light] += 1.0;
         }
         CHECK(sum <= 1.0 + 1e-5);
@@ -90,11 +92,11 @@ TEST_CASE("points in the open are always given one of many lamps without directi
     double sum = 0.0;
     for (std::uint32_t light = 0; light < lights.size(); ++light)
         sum += tree.probability(light, point, normal);
-    CHECK(sum == doctest::Approx(1.0).epsilon(1e-4));
+    CHECK(sum == close_to(1.0, 1e-4));
     for (std::uint32_t draw = 0; draw < 1000; ++draw) {
         const auto [light, probability] = tree.choose(point, normal, number(5, draw));
         REQUIRE(light < count);
-        CHECK(probability == doctest::Approx(tree.probability(light, point, normal)).epsilon(1e-4));
+        CHECK(probability == close_to(tree.probability(light, point, normal), 1e-4));
     }
 }
 

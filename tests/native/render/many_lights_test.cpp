@@ -5,6 +5,7 @@
 #include "scene/strands.hpp"
 #include "support/box_shape.hpp"
 #include "support/chi_square.hpp"
+#include "support/close_to.hpp"
 #include "support/one_point.hpp"
 #include <doctest/doctest.h>
 #include <numbers>
@@ -231,7 +232,7 @@ TEST_CASE("lamps are aimed at as often as the density says that rays which meet 
         many.meet_lamps({.origin = position, .direction = glm::normalize(target - position)}, met);
         for (const render::ManyLights::LampMet& one : met)
             if (one.number == lamp)
-                CHECK(many.pdf_per_sr(point, one) == doctest::Approx(aimed->pdf_per_sr).epsilon(1e-3));
+                CHECK(many.pdf_per_sr(point, one) == close_to(aimed->pdf_per_sr, 1e-3));
         seen[lamp] += 1.0;
         aimed_sr[lamp] += 1.0 / aimed->pdf_per_sr;
     }

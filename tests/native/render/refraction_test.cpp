@@ -6,6 +6,7 @@
 #include "shading/fresnel.hpp"
 #include "shading/lobes/lobe_models.hpp"
 #include "shading/op_inputs.hpp"
+#include "support/close_to.hpp"
 #include "support/whole_and_part.hpp"
 #include <doctest/doctest.h>
 
@@ -147,11 +148,11 @@ TEST_CASE("glass mirrors Fresnel's share and lets in the rest: in an even world 
         camera.width_px = camera.height_px = 6;
         const Film film = film_of(*block, camera, bending(64, 64, 256));
         for (std::size_t value = 0; value < 4 * 36; value += 4)
-            CHECK(film.planes[0].values[value] == doctest::Approx(2.0).epsilon(1e-2));
+            CHECK(film.planes[0].values[value] == close_to(2.0, 1e-2));
         double sum = 0.0;
         for (std::size_t value = 0; value < 4 * 36; value += 4)
             sum += film.planes[0].values[value];
-        CHECK(sum / 36 == doctest::Approx(2.0).epsilon(1e-3));
+        CHECK(sum / 36 == close_to(2.0, 1e-3));
     }
     // One surface, whose lower side is asked for no more than the world.
     for (const double angle : {0.0, 1.0, 1.4}) {
@@ -254,7 +255,7 @@ TEST_CASE("to what lights surfaces glass is transparent as ever, and passes see 
     config.passes.add(Pass::Depth);
     config.is_film_transparent = true;
     const Film film = film_of(*below, camera_on({0, 0, 1}, 0.5f), config);
-    CHECK(film.find(Pass::Depth)->values[0] == doctest::Approx(0.5));
+    CHECK(film.find(Pass::Depth)->values[0] == close_to(0.5, 1e-5));
     CHECK(film.planes[0].values[3] == 1.0f);
 }
 

@@ -3,6 +3,7 @@
 #include "render/best_ray_counts.hpp"
 #include "render/shadow_ray_counts.hpp"
 #include "shading/lobes/lobe_models.hpp"
+#include "support/close_to.hpp"
 #include "support/scenes.hpp"
 #include <algorithm>
 #include <array>
@@ -103,7 +104,7 @@ TEST_CASE("lights take the turns with the least noise in a fixed time, and none 
                 double least = noise(1);
                 for (std::uint32_t turn = 2; turn <= 8; turn *= 2)
                     least = std::min(least, noise(turn));
-                CHECK(noise(best) == doctest::Approx(least > 0.92 * noise(1) ? noise(1) : least));
+                CHECK(noise(best) == close_to(least > 0.92 * noise(1) ? noise(1) : least, 1e-5));
             }
         }
     const std::vector<render::PixelVariances> pixels(
@@ -132,7 +133,7 @@ TEST_CASE("a light's turn is worth its samples, and each comes once in as many")
         for (std::uint32_t turn = first_turn; turn < first_turn + 4; ++turn)
             each += 4.0 * below.irradiance(turn).x;
         CHECK(asked > 0);
-        CHECK(in_turns == doctest::Approx(each).epsilon(1e-6));
+        CHECK(in_turns == close_to(each, 1e-6));
     }
 }
 

@@ -2,12 +2,14 @@
 #include "core/errors.hpp"
 #include "core/sobol.hpp"
 #include "scene/camera.hpp"
+#include "support/close_to.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
 #include <numbers>
 
 namespace camera_test {
 using namespace tyndall;
+using tyndall::support::close_to;
 
 static Camera camera(CameraKind kind) {
     Camera result{.kind = kind};
@@ -74,7 +76,7 @@ TEST_CASE("a panorama's middle is ahead, its right a quarter turn further, its u
     CHECK(glm::distance(direction(77, 200), vec3(0, 1, 0)) < 1e-6f);
     CHECK(glm::distance(direction(300, 150), vec3(std::sqrt(0.5f), std::sqrt(0.5f), 0)) < 1e-6f);
     CHECK(c.ray(5, 5).near_m == 2.0f); // along the ray
-    CHECK(c.depth_m(c.position() + 3.0f * c.ray(9, 13).direction) == doctest::Approx(3.0f));
+    CHECK(c.depth_m(c.position() + 3.0f * c.ray(9, 13).direction) == close_to(3.0f, 1e-5));
 }
 TEST_CASE("a point shows where the ray through it is, in every kind of camera") {
     for (const Camera& c :
@@ -108,9 +110,9 @@ TEST_CASE("all rays of a pixel through the lens meet in focus, and cover a disc 
             // Equal depth on both.
             const vec3 there = ray.origin + 20.0f * ray.direction,
                        here = sharp.origin + 20.0f * c.sharp_per_blurred_m(sharp, ray) * sharp.direction;
-            CHECK(c.depth_m(there) == doctest::Approx(c.depth_m(here)));
+            CHECK(c.depth_m(there) == close_to(c.depth_m(here), 1e-5));
         }
-        CHECK(largest_m == doctest::Approx(0.25f).epsilon(1e-3));
+        CHECK(largest_m == close_to(0.25f, 1e-3));
     }
 }
 TEST_CASE("what the air is seen by has the rays through a place on the lens") {
@@ -130,8 +132,8 @@ TEST_CASE("what the air is seen by has the rays through a place on the lens") {
                           found = pinhole.ray(at_px.x, at_px.y);
                 CHECK(glm::distance(found.origin, expected.origin) < 1e-6f);
                 CHECK(glm::distance(found.direction, expected.direction) < 1e-6f);
-                CHECK(found.near_m == doctest::Approx(expected.near_m).epsilon(1e-5));
-                CHECK(found.far_m == doctest::Approx(expected.far_m).epsilon(1e-5));
+                CHECK(found.near_m == close_to(expected.near_m, 1e-5));
+                CHECK(found.far_m == close_to(expected.far_m, 1e-5));
                 const vec3 in_focus = sharp.origin + 3.0f / glm::dot(sharp.direction, c.forward()) * sharp.direction;
                 CHECK(glm::distance(*pinhole.raster_position(in_focus), at_px) < 0.01f);
             }
@@ -163,10 +165,10 @@ TEST_CASE("places on an aperture are spread evenly over its disc or polygon") {
         CHECK(glm::length(sum) / (side * side) < 0.03); // 64 is no multiple of 3 and 5
         // The mean square distance from the centre: r^2 / 2 of a disc, r^2 (2 + cos(2 pi / n)) / 6 of a polygon.
         const double expected = 4.0 * (blades < 3 ? 0.5 : (2.0 + std::cos(2.0 * std::numbers::pi / blades)) / 6.0);
-        CHECK(squares / (side * side) == doctest::Approx(expected).epsilon(0.005));
+        CHECK(squares / (side * side) == close_to(expected, 0.005));
     }
     const Lens wide{.radius_m = 2.0f, .inverse_ratio = 0.5f};
-    CHECK(std::abs(wide.sample_m({0.999999f, 0.0f}).x) == doctest::Approx(1.0f));
+    CHECK(std::abs(wide.sample_m({0.999999f, 0.0f}).x) == close_to(1.0f, 1e-5));
 }
 TEST_CASE("what leaves a lens as near as it may focus goes ahead, and its range begins at 0 or later") {
     Camera close = camera(CameraKind::Perspective);

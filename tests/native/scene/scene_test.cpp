@@ -4,6 +4,7 @@
 #include "core/sobol.hpp"
 #include "scene/scene.hpp"
 #include "shading/op_inputs.hpp"
+#include "support/close_to.hpp"
 #include "support/scenes.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
@@ -142,7 +143,7 @@ TEST_CASE("a material reads how far the nearest edge is, in the world, where its
                 b(placed * vec4(triangle->arrays().positions[(edge + 1) % 3], 1.0f));
             nearest = std::min(nearest, glm::length(glm::cross(glm::normalize(b - a), point - a)));
         }
-        CHECK(scene->closures(ray, hit).emission.x == doctest::Approx(nearest).epsilon(1e-3).scale(1e-3));
+        CHECK(scene->closures(ray, hit).emission.x == close_to(nearest, 1e-3).scale(1e-3));
         CHECK(scene->transparency(ray, hit).x == scene->closures(ray, hit).emission.x);
     }
     CHECK(found > 20);

@@ -5,6 +5,7 @@
 #include "scene/strand_surface.hpp"
 #include "scene/strands.hpp"
 #include "scene/tube_mesh.hpp"
+#include "support/close_to.hpp"
 #include "support/forest.hpp"
 #include "support/scenes.hpp"
 #include <algorithm>
@@ -396,7 +397,7 @@ TEST_CASE("the triangles of a tube are as wide, and those of a sphere as large, 
                 surface += 0.5 * double{glm::length(glm::cross(b - a, c - a))};
         }
         const double expected = form == StrandForm::Spheres ? 4.0 * double{pi} * 0.04 : 2.0 * double{pi} * 0.2 * 4.0;
-        CHECK(surface == doctest::Approx(expected).epsilon(1e-4));
+        CHECK(surface == close_to(expected, 1e-4));
     }
 }
 

@@ -11,12 +11,14 @@
 #include "shading/material.hpp"
 #include "support/angles.hpp"
 #include "support/chi_square.hpp"
+#include "support/close_to.hpp"
 #include <doctest/doctest.h>
 #include <numbers>
 
 namespace framed_facets_test {
 using namespace tyndall;
 using support::at_angle;
+using tyndall::support::close_to;
 using Kind = Lobe::Kind;
 
 namespace {
@@ -110,8 +112,8 @@ TEST_CASE("every facet that is seen mirrors one direction, and directions come a
                 // Half vectors of Ashikhmin and Shirley may be turned away from the viewer: those go below.
                 const Cells cells(set, kind == Kind::AshikhminShirley ? 0.0f : -1.0f);
                 if (kind != Kind::AshikhminShirley)
-                    CHECK(Cells::share(cells.promised) == doctest::Approx(1.0).epsilon(5e-4));
-                CHECK(Cells::share(cells.drawn) == doctest::Approx(Cells::share(cells.promised)).epsilon(0.01));
+                    CHECK(Cells::share(cells.promised) == close_to(1.0, 5e-4));
+                CHECK(Cells::share(cells.drawn) == close_to(Cells::share(cells.promised), 0.01));
                 CHECK(support::is_plausible(support::chi_square_p_value(cells.drawn, cells.promised), 27));
             }
 }
@@ -135,9 +137,9 @@ TEST_CASE("facets that lean along the tangent are those of the width along it") 
         for (int axis = 0; axis < 2; ++axis) {
             CAPTURE(axis);
             if (kind == Kind::Beckmann) // a normal distribution of this variance
-                CHECK(squares[axis] == doctest::Approx(0.5 * alpha[axis] * alpha[axis]).epsilon(0.02));
+                CHECK(squares[axis] == close_to(0.5 * alpha[axis] * alpha[axis], 0.02));
             if (kind == Kind::GgxAlongTangent) // one of Student's, with two degrees of freedom: half of it is within
-                CHECK(within[axis] == doctest::Approx(0.5).epsilon(0.02));
+                CHECK(within[axis] == close_to(0.5, 0.02));
         }
         if (kind == Kind::AshikhminShirley)
             CHECK(squares.x > 10.0 * squares.y);
@@ -149,12 +151,10 @@ TEST_CASE("what comes back straight from above is the density of facets there, o
         CAPTURE(alpha.x);
         const double exact = 0.25 / (std::numbers::pi * alpha.x * alpha.y);
         for (const Kind kind : {Kind::GgxAlongTangent, Kind::Beckmann})
-            CHECK(seen(facets(kind, alpha.x, alpha.y), up).per_irradiance(up).x ==
-                  doctest::Approx(exact).epsilon(1e-5));
+            CHECK(seen(facets(kind, alpha.x, alpha.y), up).per_irradiance(up).x == close_to(exact, 1e-5));
         const double phong =
             std::sqrt((2.0 / (alpha.x * alpha.x) - 1.0) * (2.0 / (alpha.y * alpha.y) - 1.0)) / (8.0 * std::numbers::pi);
-        CHECK(seen(facets(Kind::AshikhminShirley, alpha.x, alpha.y), up).per_irradiance(up).x ==
-              doctest::Approx(phong).epsilon(1e-4));
+        CHECK(seen(facets(Kind::AshikhminShirley, alpha.x, alpha.y), up).per_irradiance(up).x == close_to(phong, 1e-4));
     }
 }
 
@@ -167,8 +167,7 @@ TEST_CASE("light that goes the other way is reflected as much, and none is made"
             for (std::uint32_t index = 0; index < 50; ++index) {
                 const vec3 a = sample_uniform_cone(number(2 * index), 0.98f),
                            b = sample_uniform_cone(number(2 * index + 1), 0.98f);
-                CHECK(seen(lobe, a).per_irradiance(b).x ==
-                      doctest::Approx(seen(lobe, b).per_irradiance(a).x).epsilon(1e-4));
+                CHECK(seen(lobe, a).per_irradiance(b).x == close_to(seen(lobe, b).per_irradiance(a).x, 1e-4));
             }
             for (const float degrees : {0.0f, 45.0f, 80.0f}) {
                 const LobeSet set = seen(lobe, at_angle(degrees, 0.3f));
@@ -196,9 +195,8 @@ TEST_CASE("facets of two widths that are the same are those of one") {
             const vec3 incoming = by_two.sample(number(2 * index + 1));
             if (incoming.z <= 0.01f)
                 continue;
-            CHECK(by_two.per_irradiance(incoming).x ==
-                  doctest::Approx(by_one.per_irradiance(incoming).x).epsilon(2e-4));
-            CHECK(by_two.pdf_per_sr(incoming) == doctest::Approx(by_one.pdf_per_sr(incoming)).epsilon(2e-4));
+            CHECK(by_two.per_irradiance(incoming).x == close_to(by_one.per_irradiance(incoming).x, 2e-4));
+            CHECK(by_two.pdf_per_sr(incoming) == close_to(by_one.pdf_per_sr(incoming), 2e-4));
         }
 }
 
@@ -230,21 +228,21 @@ TEST_CASE(
     const Lobe wide = built(glossy, inputs, {.tangent = 2.0f * glm::normalize(vec3(0, 3, 4))}).at(0);
     CHECK(wide.kind == Kind::GgxAlongTangent);
     CHECK(glm::length(wide.tangent - vec3(0, 2, 0)) < 1e-5f);
-    CHECK(wide.alpha == doctest::Approx(0.25f));
+    CHECK(wide.alpha == close_to(0.25f, 1e-5));
     const Lobe clamped = built(glossy, inputs, {.tangent = vec3(10, 0, 0)}).at(0); // of 2.5 and 0.025
-    CHECK(clamped.alpha == doctest::Approx(std::sqrt(0.025f)));
-    CHECK(clamped.tangent.x == doctest::Approx(1.0 / std::sqrt(0.025)));
+    CHECK(clamped.alpha == close_to(std::sqrt(0.025f), 1e-5));
+    CHECK(clamped.tangent.x == close_to(1.0 / std::sqrt(0.025), 1e-5));
     for (const vec3& none : {vec3(0, 0, 3), vec3(1, 0, 0), vec3(NAN, 1, 0), vec3(INFINITY, 0, 0)})
         CHECK_FALSE(built(glossy, inputs, {.tangent = none}).at(0).is_anisotropic());
     const vec3 own = at_angle(30.0f);
     const Lobe bent = built(glossy, inputs, {.facets = own, .tangent = vec3(2, 0, 0)}).at(0);
     CHECK(std::abs(glm::dot(bent.tangent, own)) < 1e-6f);
-    CHECK(glm::length(bent.tangent) == doctest::Approx(2.0f));
+    CHECK(glm::length(bent.tangent) == close_to(2.0f, 1e-5));
     // Tables know them by the root of both widths.
     const LobeSource whole{.model = LobeModel::Glossy, .preserves_energy = true};
     const LobeNormals tilted{.outgoing = at_angle(60.0f), .tangent = vec3(10, 0, 0)};
     CHECK(built(whole, inputs, tilted).at(0).weight.x ==
-          doctest::Approx(1.0f / ggx::albedo(std::sqrt(clamped.alpha), 0.5f).seen).epsilon(1e-5));
+          close_to(1.0f / ggx::albedo(std::sqrt(clamped.alpha), 0.5f).seen, 1e-5));
 }
 
 TEST_CASE("what Cycles takes for a mirror shows no light without a size") {

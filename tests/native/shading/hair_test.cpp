@@ -7,12 +7,14 @@
 #include "shading/lobes/lobe_set.hpp"
 #include "shading/material.hpp"
 #include "support/chi_square.hpp"
+#include "support/close_to.hpp"
 #include <algorithm>
 #include <doctest/doctest.h>
 #include <numbers>
 
 namespace hair_test {
 using namespace tyndall;
+using tyndall::support::close_to;
 
 namespace {
 constexpr double tau = 2.0 * std::numbers::pi;
@@ -102,7 +104,7 @@ void check_directions(const LobeSet& set) {
         observed[cell(set.sample({unit(hash(1, index)), unit(hash(2, index))}))] += 1.0;
     for (const double one : expected)
         promised += one / count;
-    CHECK(promised == doctest::Approx(1.0).epsilon(2e-3));
+    CHECK(promised == close_to(1.0, 2e-3));
     CHECK(support::chi_square_p_value(observed, expected) > 1e-4);
     double bound = 0.0, all = 0.0;
     for (const Lobe& lobe : set.lobes) {
@@ -119,8 +121,7 @@ TEST_CASE("Bessel's function is its integral") {
         constexpr int steps = 20000;
         for (int step = 0; step < steps; ++step)
             sum += std::exp(x * (std::cos(std::numbers::pi * (step + 0.5) / steps) - 1.0)) / steps;
-        CHECK(static_cast<double>(fibre::scaled_bessel_i0(static_cast<float>(x))) ==
-              doctest::Approx(sum).epsilon(2e-6));
+        CHECK(static_cast<double>(fibre::scaled_bessel_i0(static_cast<float>(x))) == close_to(sum, 2e-6));
     }
 }
 
@@ -130,16 +131,16 @@ TEST_CASE("what a fibre mirrors and lets pass is all of the light, less what it 
             for (const float ior : {1.0f, 1.55f, 2.5f}) {
                 const hair::Shares clear = hair::shares(sine, std::sqrt(1 - sine * sine), gamma, Rgb(0.0f), ior);
                 CHECK(clear.mirrored.x + clear.through.x + clear.mirrored_inside.x + clear.further.x ==
-                      doctest::Approx(1.0).epsilon(1e-5));
+                      close_to(1.0, 1e-5));
                 // Twice the absorption is as if the light passed it twice.
                 const hair::Shares once = hair::shares(sine, std::sqrt(1 - sine * sine), gamma, Rgb(0.3f), ior),
                                    twice = hair::shares(sine, std::sqrt(1 - sine * sine), gamma, Rgb(0.6f), ior);
                 CHECK(once.mirrored.x == clear.mirrored.x);
-                CHECK(once.through.x * once.through.x == doctest::Approx(twice.through.x * clear.through.x));
+                CHECK(once.through.x * once.through.x == close_to(twice.through.x * clear.through.x, 1e-5));
                 CHECK(once.mirrored_inside.x <= clear.mirrored_inside.x);
             }
     // At the middle of its width, straight through is the whole diameter.
-    CHECK(hair::shares(0.0f, 1.0f, 0.0f, Rgb(0.5f), 1.0f).through.x == doctest::Approx(std::exp(-1.0)));
+    CHECK(hair::shares(0.0f, 1.0f, 0.0f, Rgb(0.5f), 1.0f).through.x == close_to(std::exp(-1.0), 1e-5));
 }
 
 TEST_CASE("hair that absorbs nothing is as bright as what is around it") {
@@ -160,7 +161,7 @@ TEST_CASE("hair that absorbs nothing is as bright as what is around it") {
                               const float cosine = glm::dot(incoming, normal);
                               return static_cast<double>(cosine > 0.0f ? cosine * seen.per_irradiance(incoming).x
                                                                        : -cosine * behind.per_irradiance(incoming).x);
-                          }) == doctest::Approx(1.0).epsilon(2e-3));
+                          }) == close_to(1.0, 2e-3));
                 }
 }
 
@@ -195,9 +196,9 @@ TEST_CASE(
     const auto theta = [&](std::size_t lobe) {
         return std::asin(glm::dot(fibre::sample(lobes.at(lobe), outgoing, {0.5f, 0.75f}), along));
     };
-    CHECK(theta(0) == doctest::Approx(-viewer - 0.2f).epsilon(0.05));
-    CHECK(theta(1) == doctest::Approx(-viewer + 0.1f).epsilon(0.05));
-    CHECK(theta(2) == doctest::Approx(-viewer + 0.4f).epsilon(0.3));
+    CHECK(theta(0) == close_to(-viewer - 0.2f, 0.05));
+    CHECK(theta(1) == close_to(-viewer + 0.1f, 0.05));
+    CHECK(theta(2) == close_to(-viewer + 0.4f, 0.3));
 }
 
 TEST_CASE("a colour's absorption gives that colour back to many hairs") {
@@ -236,7 +237,7 @@ TEST_CASE(
         lobe.a.z = 0.0f; // both are in one plane with the fibre
         const float since = fibre::scattered(lobe, {along, incoming, outgoing});
         lobe.is_separable = true;
-        CHECK(fibre::scattered(lobe, {along, outgoing, incoming}) == doctest::Approx(since).epsilon(1e-4));
+        CHECK(fibre::scattered(lobe, {along, outgoing, incoming}) == close_to(since, 1e-4));
         lobe.is_separable = false;
         CHECK(fibre::pdf_per_sr(lobe, {along, outgoing, incoming}) ==
               fibre::scattered(lobe, {along, outgoing, incoming}));
@@ -281,7 +282,7 @@ TEST_CASE("hair without a direction, or of absurd numbers, is finite") {
                 for (std::uint32_t index = 0; index < 50; ++index) {
                     const vec3 incoming =
                         set.has_directions() ? set.sample({unit(hash(3, index)), unit(hash(4, index))}) : vec3(0, 0, 1);
-                    CHECK(glm::length(incoming) == doctest::Approx(1.0).epsilon(1e-3));
+                    CHECK(glm::length(incoming) == close_to(1.0, 1e-3));
                     const Rgb sent = set.per_irradiance(incoming);
                     CHECK(std::isfinite(sent.x + sent.y + sent.z));
                     CHECK(std::isfinite(set.pdf_per_sr(incoming)));

@@ -11,6 +11,7 @@
 #include "shading/material.hpp"
 #include "support/angles.hpp"
 #include "support/chi_square.hpp"
+#include "support/close_to.hpp"
 #include <doctest/doctest.h>
 #include <functional>
 #include <numbers>
@@ -18,6 +19,7 @@
 namespace lobes_test {
 using namespace tyndall;
 using support::at_angle;
+using tyndall::support::close_to;
 
 namespace {
 
@@ -94,7 +96,7 @@ TEST_CASE("light that goes the other way is reflected as much") {
                        b = sample_uniform_cone(number(2 * index + 1), 0.98f);
             const LobeSet there{.lobes = {&lobe, 1}, .normal = {0, 0, 1}, .outgoing = a};
             const LobeSet back{.lobes = {&lobe, 1}, .normal = {0, 0, 1}, .outgoing = b};
-            CHECK(there.per_irradiance(b).x == doctest::Approx(back.per_irradiance(a).x).epsilon(1e-4));
+            CHECK(there.per_irradiance(b).x == close_to(back.per_irradiance(a).x, 1e-4));
         }
 }
 
@@ -115,12 +117,12 @@ TEST_CASE("white facets send back what the tables say, and all of it where what 
             CAPTURE(degrees);
             const vec3 outgoing = at_angle(degrees);
             const double once = white_albedo(facets(roughness * roughness), outgoing);
-            CHECK(ggx::albedo(roughness, outgoing.z).seen == doctest::Approx(once).epsilon(0.006));
+            CHECK(ggx::albedo(roughness, outgoing.z).seen == close_to(once, 0.006));
             Lobes lobes;
             built(LobeModel::Glossy, {Rgb(1.0f), Rgb(1.0f), Rgb(roughness)}, outgoing.z, &lobes);
-            CHECK(white_albedo(lobes.at(0), outgoing) == doctest::Approx(1.0).epsilon(0.006));
+            CHECK(white_albedo(lobes.at(0), outgoing) == close_to(1.0, 0.006));
         }
-    CHECK(ggx::albedo(0.0f, 0.5f).seen == doctest::Approx(1.0).epsilon(1e-3));
+    CHECK(ggx::albedo(0.0f, 0.5f).seen == close_to(1.0, 1e-3));
 }
 
 namespace {
@@ -159,10 +161,10 @@ TEST_CASE("rough glass mirrors and lets pass what the tables say, and all of it 
                 lobe.a = Rgb(straight_share(ior));
                 const double mirrored = white_albedo(lobe, outgoing), bent = bent_albedo(lobe.alpha, ior, outgoing);
                 const double once = mirrored + bent;
-                CHECK(ggx::glass_albedo(roughness, cosine, ior).seen == doctest::Approx(once).epsilon(0.004));
+                CHECK(ggx::glass_albedo(roughness, cosine, ior).seen == close_to(once, 0.004));
                 Lobes lobes;
                 built(LobeModel::Glass, {Rgb(1.0f), Rgb(1.0f), Rgb(roughness), Rgb(ior)}, cosine, &lobes);
-                CHECK(white_albedo(lobes.at(0), outgoing) + bent / once == doctest::Approx(1.0).epsilon(0.004));
+                CHECK(white_albedo(lobes.at(0), outgoing) + bent / once == close_to(1.0, 0.004));
             }
 }
 
@@ -171,7 +173,7 @@ TEST_CASE("facets of glass that is as dense as the air hide what they hide of a 
         for (const float roughness : {3.0f / 15.0f, 12.0f / 15.0f}) {
             const float lambda = ggx::lambda(roughness * roughness, cosine);
             const float closed = (1.0f + lambda) / (1.0f + 2.0f * lambda);
-            CHECK(ggx::glass_albedo(roughness, cosine, 1.0f).seen == doctest::Approx(closed).epsilon(0.004));
+            CHECK(ggx::glass_albedo(roughness, cosine, 1.0f).seen == close_to(closed, 0.004));
         }
 }
 
@@ -180,7 +182,7 @@ TEST_CASE("a rough diffuse surface that preserves energy is white where its colo
         for (const float degrees : {0.0f, 45.0f, 80.0f}) {
             Lobes lobes;
             built(LobeModel::OrenNayar, {Rgb(1.0f), Rgb(1.0f), Rgb(roughness)}, at_angle(degrees).z, &lobes);
-            CHECK(white_albedo(lobes.at(0), at_angle(degrees)) == doctest::Approx(1.0).epsilon(0.004));
+            CHECK(white_albedo(lobes.at(0), at_angle(degrees)) == close_to(1.0, 0.004));
         }
 }
 
@@ -218,7 +220,7 @@ TEST_CASE("densities of directions add up to what lies above the horizon, and sa
             }
             for (const double cell : expected)
                 promised += cell;
-            CHECK(above == doctest::Approx(promised).epsilon(0.01));
+            CHECK(above == close_to(promised, 0.01));
             if (alpha > 0.1f) // sharper ones need a finer grid than this to be integrated
                 CHECK(support::chi_square_p_value(observed, expected) > 1e-4);
         }
@@ -248,29 +250,29 @@ TEST_CASE("a toon's directions come as often as it shines, evenly to the edge of
                     mean += off_axis / count;
                     const float density = set.pdf_per_sr(direction);
                     if (direction.z > 1e-3f && off_axis < 1.0 - std::cos(full) - 1e-5)
-                        CHECK(set.per_irradiance(direction).x * direction.z == doctest::Approx(0.6f * density));
+                        CHECK(set.per_irradiance(direction).x * direction.z == close_to(0.6f * density, 1e-5));
                 }
-                CHECK(mean == doctest::Approx(0.5 * widest).epsilon(0.05));
+                CHECK(mean == close_to(0.5 * widest, 0.05));
                 CHECK(set.pdf_per_sr(-axis) == 0.0f);
             }
 }
 
 TEST_CASE("a microfacet's colours go from what is seen straight to white") {
-    CHECK(fresnel_of_any_index(1.0f, 1.5f) == doctest::Approx(0.04));
+    CHECK(fresnel_of_any_index(1.0f, 1.5f) == close_to(0.04, 1e-5));
     CHECK(fresnel_of_any_index(0.2f, 1.0f / 1.5f) == 1.0f); // beyond the critical angle
-    CHECK(ior_of_straight_share(straight_share(1.7f)) == doctest::Approx(1.7f));
+    CHECK(ior_of_straight_share(straight_share(1.7f)) == close_to(1.7f, 1e-5));
     const Rgb gold(0.9f, 0.6f, 0.2f), tint(0.5f, 1.0f, 0.7f);
     const Rgb dark = f82_dark(gold, tint), edge = fresnel_f82(1.0f / 7.0f, gold, dark),
               plain = fresnel_f82(1.0f / 7.0f, gold, Rgb(0.0f));
     for (int channel = 0; channel < 3; ++channel) {
-        CHECK(edge[channel] == doctest::Approx(plain[channel] * tint[channel]).epsilon(1e-4));
-        CHECK(fresnel_f82(1.0f, gold, dark)[channel] == doctest::Approx(gold[channel]));
+        CHECK(edge[channel] == close_to(plain[channel] * tint[channel], 1e-4));
+        CHECK(fresnel_f82(1.0f, gold, dark)[channel] == close_to(gold[channel], 1e-5));
         double mean = 0.0;
         for (int i = 0; i < 1000; ++i) {
             const float cosine = (static_cast<float>(i) + 0.5f) / 1000.0f;
             mean += 2.0 * cosine * fresnel_f82(cosine, gold, dark)[channel] / 1000.0;
         }
-        CHECK(mean == doctest::Approx(mean_f82(gold, dark)[channel]).epsilon(1e-3));
+        CHECK(mean == close_to(mean_f82(gold, dark)[channel], 1e-3));
     }
 }
 
@@ -307,11 +309,11 @@ TEST_CASE("what a principled shader transmits loses Fresnel's share of its own c
     add_lobes({.model = LobeModel::Principled}, inputs, point, closures, &lobes);
     for (int channel = 0; channel < 3; ++channel)
         CHECK(closures.transparent[channel] ==
-              doctest::Approx(std::sqrt(base[channel]) * (1.0f - fresnel_of_any_index(0.4f, 1.5f))));
+              close_to(std::sqrt(base[channel]) * (1.0f - fresnel_of_any_index(0.4f, 1.5f)), 1e-5));
 }
 
 TEST_CASE("without a list, lobes count as diffuse in what they reflect") {
     const SurfaceClosures closures = built(LobeModel::Glossy, {Rgb(0.5f), Rgb(0.6f), Rgb(0.5f)}, 0.8f, nullptr, false);
-    CHECK(closures.diffuse_albedo.x == doctest::Approx(0.3f));
+    CHECK(closures.diffuse_albedo.x == close_to(0.3f, 1e-5));
 }
 } // namespace lobes_test

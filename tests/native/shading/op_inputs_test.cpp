@@ -7,6 +7,7 @@
 #include "shading/op_normals.hpp"
 #include "shading/pixel_steps.hpp"
 #include "shading/surface_program.hpp"
+#include "support/close_to.hpp"
 #include <array>
 #include <doctest/doctest.h>
 #include <glm/gtc/matrix_transform.hpp>
@@ -14,6 +15,7 @@
 
 namespace op_inputs_test {
 using namespace tyndall;
+using tyndall::support::close_to;
 using Code = SurfaceOp::Code;
 
 namespace {
@@ -73,9 +75,9 @@ TEST_CASE("a pixel is as wide as it looks: all of it seen straight, half of its 
     Placed placed;
     placed.point.footprint_m = 0.01f;
     placed.point.incoming = placed.point.surface.geometric_normal;
-    CHECK(placed.read(PointInput::PixelWidth).x == doctest::Approx(0.01f));
+    CHECK(placed.read(PointInput::PixelWidth).x == close_to(0.01f, 1e-5));
     placed.point.incoming = glm::normalize(pixel_steps(placed.point)[1]);
-    CHECK(placed.read(PointInput::PixelWidth).x == doctest::Approx(0.005f));
+    CHECK(placed.read(PointInput::PixelWidth).x == close_to(0.005f, 1e-5));
     CHECK(placed.read(PointInput::EdgeDistance).x == std::numeric_limits<float>::infinity()); // no triangle is known
 }
 
@@ -97,7 +99,7 @@ TEST_CASE("a particle tells what it is, and what is none nothing but the hash of
     Placed placed;
     CHECK(placed.read(PointInput::ParticleAge) == Rgb(0.0f));
     CHECK(placed.read(PointInput::ParticleLocation) == Rgb(0.0f));
-    CHECK(placed.read(PointInput::ParticleRandom).x == doctest::Approx(0.86031276f));
+    CHECK(placed.read(PointInput::ParticleRandom).x == close_to(0.86031276f, 1e-5));
     const ParticleState particle{.index = 3.0f,
                                  .random = 0.25f,
                                  .age = 7.5f,
@@ -238,8 +240,8 @@ TEST_CASE("a cubic lookup keeps a constant and a straight slope, and is smooth a
     texture.extension = TextureExtension::Extend;
     for (float u = 0.3f; u < 0.7f; u += 0.01f) {
         const vec4 found = texture.lookup({u, 0.5f});
-        CHECK(found.x == doctest::Approx(16.0f * u - 0.5f).epsilon(1e-4));
-        CHECK(found.z == doctest::Approx(0.5f));
+        CHECK(found.x == close_to(16.0f * u - 0.5f, 1e-4));
+        CHECK(found.z == close_to(0.5f, 1e-5));
     }
 }
 

@@ -6,6 +6,7 @@
 #include "shading/material.hpp"
 #include "shading/surface_program.hpp"
 #include "support/angles.hpp"
+#include "support/close_to.hpp"
 #include <doctest/doctest.h>
 #include <functional>
 #include <numbers>
@@ -13,6 +14,7 @@
 namespace own_normals_test {
 using namespace tyndall;
 using support::at_angle;
+using tyndall::support::close_to;
 
 namespace {
 
@@ -50,7 +52,7 @@ TEST_CASE("a white Lambert surface that is tilted sends back what it sees above 
         const Lobe lobe = around(Lobe::Kind::Lambert, at_angle(degrees, 0.4f));
         const LobeSet set{.lobes = {&lobe, 1}, .normal = up, .outgoing = at_angle(20.0f)};
         const double seen = over_sphere([&](const vec3& incoming) { return reflected(set, incoming); });
-        CHECK(seen == doctest::Approx(0.5 + 0.5 * std::cos(degrees * pi / 180.0f)).epsilon(2e-3));
+        CHECK(seen == close_to(0.5 + 0.5 * std::cos(degrees * pi / 180.0f), 2e-3));
     }
 }
 
@@ -65,8 +67,7 @@ TEST_CASE("a lobe whose own normal is the point's is the lobe without one") {
                 const vec3 incoming = at_angle(degrees, 2.0f);
                 const LobeSet of_own{.lobes = {&own, 1}, .normal = up, .outgoing = outgoing},
                     of_plain{.lobes = {&plain, 1}, .normal = up, .outgoing = outgoing};
-                CHECK(of_own.per_irradiance(incoming).x ==
-                      doctest::Approx(of_plain.per_irradiance(incoming).x).epsilon(1e-5));
+                CHECK(of_own.per_irradiance(incoming).x == close_to(of_plain.per_irradiance(incoming).x, 1e-5));
                 CHECK(of_own.pdf_per_sr(incoming) == of_plain.pdf_per_sr(incoming));
             }
     }
@@ -84,7 +85,7 @@ TEST_CASE("a lobe sends light back as if the whole surface were turned") {
             const vec3 incoming = at_angle(degrees, 1.3f);
             const LobeSet bent{.lobes = {&own, 1}, .normal = up, .outgoing = outgoing},
                 whole{.lobes = {&turned, 1}, .normal = normal, .outgoing = outgoing};
-            CHECK(reflected(bent, incoming) == doctest::Approx(reflected(whole, incoming)).epsilon(1e-4));
+            CHECK(reflected(bent, incoming) == close_to(reflected(whole, incoming), 1e-4));
         }
 }
 
@@ -101,7 +102,7 @@ TEST_CASE("light behind the point's normal comes back from gloss around a normal
         CHECK(!without.reflects_from_behind());
         CHECK(without.per_irradiance(behind) == Rgb(0.0f));
         CHECK(static_cast<double>(set.per_irradiance(behind).x * LobeSet::least_cosine) ==
-              doctest::Approx(kind == Lobe::Kind::Ggx ? reflected(whole, behind) : 0.0).epsilon(1e-4));
+              close_to(kind == Lobe::Kind::Ggx ? reflected(whole, behind) : 0.0, 1e-4));
         CHECK(set.per_irradiance(at_angle(-31.0f)) == Rgb(0.0f)); // behind the lobe
         CHECK(set.per_irradiance(at_angle(89.9999f)).x >= 0.0f);  // nor is it infinite at the horizon
         CHECK(std::isfinite(set.per_irradiance(at_angle(89.9999f)).x));
@@ -148,8 +149,7 @@ TEST_CASE("directions of lobes with their own normals: their density adds up to 
                                 around(Lobe::Kind::Lambert, at_angle(40.0f, 2.0f))};
         lobes[1].sampling = 0.4f;
         const LobeSet set{.lobes = lobes, .normal = up, .outgoing = at_angle(degrees)};
-        CHECK(over_sphere([&](const vec3& incoming) { return set.pdf_per_sr(incoming); }) ==
-              doctest::Approx(1.0).epsilon(0.004));
+        CHECK(over_sphere([&](const vec3& incoming) { return set.pdf_per_sr(incoming); }) == close_to(1.0, 0.005));
         // Means of functions of the direction, by samples and by the density.
         constexpr std::uint32_t count = 200'000;
         const auto unit = [](std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; };
@@ -159,7 +159,7 @@ TEST_CASE("directions of lobes with their own normals: their density adds up to 
         for (int axis = 0; axis < 3; ++axis) {
             expected[axis] = static_cast<float>(
                 over_sphere([&](const vec3& incoming) { return set.pdf_per_sr(incoming) * incoming[axis]; }));
-            CHECK(sampled[axis] == doctest::Approx(expected[axis]).epsilon(0.02).scale(1.0));
+            CHECK(sampled[axis] == close_to(expected[axis], 0.02).scale(1.0));
         }
     }
 }
@@ -186,9 +186,9 @@ TEST_CASE("smooth normals of facets are turned until a mirror would not look int
     for (const float lean : {-20.0f, -28.0f}) { // away from the viewer: the mirror looks down from 15 degrees on
         const vec3 normal = normal_at(lean, true, true), outgoing = at_angle(60.0f);
         CAPTURE(lean);
-        CHECK(glm::length(normal) == doctest::Approx(1.0f));
-        CHECK(normal.y == doctest::Approx(0.0f)); // in the plane of both normals
-        CHECK((2.0f * glm::dot(normal, outgoing) * normal - outgoing).z == doctest::Approx(0.01f).epsilon(0.01));
+        CHECK(glm::length(normal) == close_to(1.0f, 1e-5));
+        CHECK(normal.y == close_to(0.0f, 1e-5)); // in the plane of both normals
+        CHECK((2.0f * glm::dot(normal, outgoing) * normal - outgoing).z == close_to(0.01f, 0.01));
     }
     CHECK(normal_at(-10.0f, true, true) == vec3(0.0f));
     CHECK(normal_at(-28.0f, false, true) == vec3(0.0f)); // not a mesh's

@@ -7,6 +7,7 @@
 #include "shading/material.hpp"
 #include "support/angles.hpp"
 #include "support/chi_square.hpp"
+#include "support/close_to.hpp"
 #include <doctest/doctest.h>
 #include <functional>
 #include <numbers>
@@ -14,6 +15,7 @@
 namespace sheen_test {
 using namespace tyndall;
 using support::at_angle;
+using tyndall::support::close_to;
 
 namespace {
 constexpr vec3 up(0, 0, 1);
@@ -64,7 +66,7 @@ TEST_CASE("a sheen sends back its albedo, and nothing comes from below the surfa
             const sheen::Shape shape = sheen::shape(roughness, outgoing.z);
             Lobe lobe{.kind = Lobe::Kind::Sheen, .alpha = shape.a, .ior = shape.b, .weight = white};
             const LobeSet set{.lobes = {&lobe, 1}, .normal = up, .outgoing = outgoing};
-            CHECK(albedo(set) == doctest::Approx(1.0).epsilon(2e-3));
+            CHECK(albedo(set) == close_to(1.0, 2e-3));
             CHECK(set.per_irradiance(at_angle(95.0f)) == none);
         }
 }
@@ -88,7 +90,7 @@ TEST_CASE("a white surface below a white sheen is white") {
         const vec3 outgoing = at_angle(degrees);
         const SurfaceClosures closures = built(LobeModel::PrincipledSheen, white_below(white, 0.6f), outgoing, lobes);
         CHECK(closures.diffuse_albedo.x + albedo({.lobes = lobes, .normal = up, .outgoing = outgoing}) ==
-              doctest::Approx(1.0).epsilon(2e-3));
+              close_to(1.0, 2e-3));
     }
 }
 
@@ -101,18 +103,19 @@ TEST_CASE("what lies below is dimmed by the strongest channel of the sheen alike
     inputs[principled_emission] = Rgb(2.0f, 3.0f, 4.0f);
     const SurfaceClosures closures = built(LobeModel::PrincipledSheen, inputs, outgoing, lobes);
     for (int channel = 0; channel < 3; ++channel) {
-        CHECK(closures.diffuse_albedo[channel] == doctest::Approx(1.0f - 0.9f * share));
+        CHECK(closures.diffuse_albedo[channel] == close_to(1.0f - 0.9f * share, 1e-5));
         CHECK(closures.emission[channel] ==
-              doctest::Approx((2.0f + static_cast<float>(channel)) * (1.0f - 0.9f * share)));
-        CHECK(lobes.at(0).weight[channel] == doctest::Approx(tint[channel] * share));
+              close_to((2.0f + static_cast<float>(channel)) * (1.0f - 0.9f * share), 1e-5));
+        CHECK(lobes.at(0).weight[channel] == close_to(tint[channel] * share, 1e-5));
     }
     inputs[6] = Rgb(0.25f); // what lets light pass is among what is transparent already
     lobes.clear();
     const Rgb passing = built(LobeModel::PrincipledSheen, inputs, outgoing, lobes).transparent;
     inputs[14] = none;
     lobes.clear();
-    CHECK(passing.x == doctest::Approx((1.0f - 0.9f * share) *
-                                       built(LobeModel::PrincipledSheen, inputs, outgoing, lobes).transparent.x));
+    CHECK(passing.x ==
+          close_to((1.0f - 0.9f * share) * built(LobeModel::PrincipledSheen, inputs, outgoing, lobes).transparent.x,
+                   1e-5));
 }
 
 TEST_CASE("directions come as often as a sheen reflects there, and no density is above its bound") {
@@ -167,14 +170,14 @@ TEST_CASE("directions come as often as a sheen reflects there, and no density is
                 double promised = 0.0;
                 for (const double one : expected)
                     promised += one / count;
-                CHECK(promised == doctest::Approx(1.0).epsilon(3e-3));
+                CHECK(promised == close_to(1.0, 3e-3));
                 CHECK(above_most <= 1.0);
                 CHECK(lowest >= 0.0);
                 CHECK(support::chi_square_p_value(observed, expected) > 1e-4);
                 // What is reflected is the density, times what is reflected of all.
                 const vec3 incoming = to_world(at_angle(60.0f, 1.0f));
                 CHECK(set.per_irradiance(incoming).x * glm::dot(axis, incoming) ==
-                      doctest::Approx(lobes[0].weight.x * set.pdf_per_sr(incoming)).epsilon(1e-4));
+                      close_to(lobes[0].weight.x * set.pdf_per_sr(incoming), 1e-4));
             }
 }
 
@@ -190,11 +193,10 @@ TEST_CASE("a sheen that is seen from behind its own normal is as bright as along
     Lobes lobes;
     built(LobeModel::Sheen, {white, white, Rgb(0.5f)}, outgoing, lobes, normal);
     REQUIRE(lobes.size() == 1);
-    CHECK(lobes[0].weight.x == doctest::Approx(sheen::shape(0.5f, 0.0f).albedo));
+    CHECK(lobes[0].weight.x == close_to(sheen::shape(0.5f, 0.0f).albedo, 1e-5));
     const LobeSet set{.lobes = lobes, .normal = up, .outgoing = outgoing};
     const vec3 incoming = at_angle(-20.0f, 0.3f);
     CHECK(set.pdf_per_sr(incoming) > 0.0f);
-    CHECK(set.per_irradiance(incoming).x * incoming.z ==
-          doctest::Approx(lobes[0].weight.x * set.pdf_per_sr(incoming)).epsilon(1e-4));
+    CHECK(set.per_irradiance(incoming).x * incoming.z == close_to(lobes[0].weight.x * set.pdf_per_sr(incoming), 1e-4));
 }
 } // namespace sheen_test

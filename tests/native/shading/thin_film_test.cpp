@@ -6,6 +6,7 @@
 #include "shading/lobes/lobe_set.hpp"
 #include "shading/lobes/thin_film.hpp"
 #include "shading/material.hpp"
+#include "support/close_to.hpp"
 #include <complex>
 #include <doctest/doctest.h>
 #include <numbers>
@@ -13,6 +14,7 @@
 
 namespace thin_film_test {
 using namespace tyndall;
+using tyndall::support::close_to;
 using Complex = std::complex<double>;
 
 namespace {
@@ -81,7 +83,7 @@ TEST_CASE("a quarter of a wave with the root of the glass's index mirrors nothin
         return film_over_dielectric(1.0f, {.spectra = &spectra, .thickness_nm = thickness_nm, .ior = root}, 1.5f).y;
     };
     CHECK(mirrored(quarter_nm) < 2e-5f);
-    CHECK(mirrored(2.0f * quarter_nm) == doctest::Approx(straight_share(1.5f)).epsilon(2e-3));
+    CHECK(mirrored(2.0f * quarter_nm) == close_to(straight_share(1.5f), 2e-3));
 }
 
 TEST_CASE("a film over a metal mirrors what all reflections add up to, with the shift of the metal's phase") {
@@ -110,19 +112,19 @@ TEST_CASE("a film that has the index of one of its sides is none") {
             const ThinFilm of_air{.spectra = &spectra, .thickness_nm = thickness_nm, .ior = 1.0f};
             const ThinFilm of_glass{.spectra = &spectra, .thickness_nm = thickness_nm, .ior = 1.5f};
             const float plain = fresnel_of_any_index(cosine, 1.5f);
-            CHECK(film_over_dielectric(cosine, of_air, 1.5f).x == doctest::Approx(plain).epsilon(1e-4));
-            CHECK(film_over_dielectric(cosine, of_glass, 1.5f).x == doctest::Approx(plain).epsilon(1e-4));
+            CHECK(film_over_dielectric(cosine, of_air, 1.5f).x == close_to(plain, 1e-4));
+            CHECK(film_over_dielectric(cosine, of_glass, 1.5f).x == close_to(plain, 1e-4));
             const Rgb n(0.2f, 1.5f, 2.9f), k(3.5f, 2.0f, 0.4f);
             const Rgb metal = film_over_conductor(cosine, of_air, n, k);
             // fresnel_conductor leaves sin^2 out beside |n + i k|^2: 1 % or so where that is small.
-            CHECK(metal.x == doctest::Approx(fresnel_conductor(cosine, n, k).x).epsilon(2e-2));
+            CHECK(metal.x == close_to(fresnel_conductor(cosine, n, k).x, 2e-2));
         }
     // Gulbrandsen's index mirrors the colour that it was made of.
     const Rgb gold(0.9f, 0.6f, 0.2f);
     const ThinFilm of_air{.spectra = &spectra, .thickness_nm = 300.0f, .ior = 1.0f};
     const Rgb straight = film_over_f82(1.0f, of_air, gold, f82_dark(gold, Rgb(0.6f, 0.8f, 1.0f)));
     for (int channel = 0; channel < 3; ++channel)
-        CHECK(straight[channel] == doctest::Approx(gold[channel]).epsilon(1e-4));
+        CHECK(straight[channel] == close_to(gold[channel], 1e-4));
 }
 
 TEST_CASE("beyond what is seen of waves both faces mirror for themselves; within all bounds, from any side") {
@@ -130,7 +132,7 @@ TEST_CASE("beyond what is seen of waves both faces mirror for themselves; within
     const ThinFilm thick{.spectra = &spectra, .thickness_nm = 1e6f, .ior = 1.8f};
     const double outer = straight_share(1.8f), inner = straight_share(1.5f / 1.8f);
     const double both = outer + (1 - outer) * (1 - outer) * inner / (1 - outer * inner);
-    CHECK(film_over_dielectric(1.0f, thick, 1.5f).x == doctest::Approx(both).epsilon(1e-4));
+    CHECK(film_over_dielectric(1.0f, thick, 1.5f).x == close_to(both, 1e-4));
     for (const float thickness_nm : {0.2f, 1.0f, 120.0f, 1e18f})
         for (const float film_ior : {1e-5f, 0.6f, 1.33f, 1e6f})
             for (const float ior : {1e-5f, 0.66f, 1.0f, 1.5f, 1e6f})
@@ -158,8 +160,8 @@ TEST_CASE("a film as thin as nothing fades into its surface") {
     const auto mirrored = [&](float thickness_nm) {
         return film_over_dielectric(0.7f, {.spectra = &spectra, .thickness_nm = thickness_nm, .ior = 1.9f}, 1.4f).x;
     };
-    CHECK(mirrored(0.11f) == doctest::Approx(fresnel_of_any_index(0.7f, 1.4f)).epsilon(1e-3));
-    CHECK(mirrored(30.0f) == doctest::Approx(mirrored(30.01f)).epsilon(1e-3));
+    CHECK(mirrored(0.11f) == close_to(fresnel_of_any_index(0.7f, 1.4f), 1e-3));
+    CHECK(mirrored(30.0f) == close_to(mirrored(30.01f), 1e-3));
 }
 
 TEST_CASE(

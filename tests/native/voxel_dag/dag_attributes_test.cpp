@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "image/srgb.hpp"
+#include "support/close_to.hpp"
 #include "support/packed_voxels.hpp"
 #include "support/random_attributes.hpp"
 #include "support/voxel_sets.hpp"
@@ -143,8 +144,8 @@ TEST_CASE("colours stay within the chosen difference, or are as few as chosen, a
                 cie94(lab_of(packed_color(attributes.colors[i])), lab_of(packed_color(used.back())));
             sum += difference, most = std::max(most, difference);
         }
-        CHECK(most == doctest::Approx(kept->parts().errors.most_cie94).epsilon(1e-9));
-        CHECK(sum / static_cast<double>(list.size()) == doctest::Approx(kept->parts().errors.mean_cie94).epsilon(1e-9));
+        CHECK(most == close_to(kept->parts().errors.most_cie94, 1e-9));
+        CHECK(sum / static_cast<double>(list.size()) == close_to(kept->parts().errors.mean_cie94, 1e-9));
         std::ranges::sort(used);
         used.erase(std::ranges::unique(used).begin(), used.end());
         if (config.color_count > 0)
