@@ -5,7 +5,7 @@
 #include <algorithm>
 
 namespace tyndall::render {
-static constexpr std::uint32_t most_asked_thoroughly = 256; ///< Looks.
+static constexpr std::uint32_t least_asked_thoroughly = 256; ///< Looks.
 static constexpr std::array ray_kinds{RayKind::Diffuse, RayKind::Glossy, RayKind::Transmission, RayKind::Scatter};
 static constexpr std::uint32_t place_count = 2 * ray_kinds.size();
 
@@ -18,7 +18,8 @@ public:
     [[nodiscard]] bool glows(const CellLook& look) {
         const Rgb first = emission(look, 0);
         bool does = first != Rgb(0.0f);
-        for (std::uint32_t place = 1; asked_count_ < most_asked_thoroughly && place < place_count; ++place) {
+        const bool asks_all = does || asked_count_ < least_asked_thoroughly;
+        for (std::uint32_t place = 1; asks_all && place < place_count; ++place) {
             const Rgb other = emission(look, place);
             does |= other != Rgb(0.0f);
             varies_ |= other != first;
@@ -48,16 +49,17 @@ private:
 };
 } // namespace
 
-std::optional<std::vector<std::uint64_t>> glowing_faces(const Scene& scene, std::span<const std::uint32_t> instances,
-                                                        std::size_t most) {
+std::optional<GlowingFaces> glowing_faces(const Scene& scene, std::span<const std::uint32_t> instances,
+                                          std::size_t most) {
     const PlacedShape& placed = *scene.placed_shape(instances.front());
     const CellShape& cells = *scene.description().shapes[placed.shape_index]->cells();
     AskedLooks looks(scene, instances);
     auto faces = cells.open_faces([&](const CellLook& look) { return looks.glows(look); }, most);
     if (faces && looks.varies())
         faces = cells.open_faces([](const CellLook&) { return true; }, most);
-    if (faces)
-        std::ranges::sort(*faces);
-    return faces;
+    if (!faces)
+        return std::nullopt;
+    std::ranges::sort(*faces);
+    return GlowingFaces{std::move(*faces), !looks.varies()};
 }
 } // namespace tyndall::render

@@ -116,7 +116,7 @@ void FogGlow::draw_triangle(const MediaLine& line, const Numbers& numbers, const
         return;
     const Hit hit = hit_at(triangle, place.barycentrics, length_m);
     const Rgb emitted =
-        MeshEmitters::radiance(scene_, {.origin = point, .direction = direction}, hit, RayKind::Scatter);
+        MeshEmitters::radiance(scene_, &triangle, {.origin = point, .direction = direction}, hit, RayKind::Scatter);
     const float density = probability * distance.pdf_per_m * place.pdf_per_sr;
     Rgb arriving = emitted * scattered * line.transmittance(*distance.piece, distance.at_m) / density;
     if (arriving == Rgb(0.0f))
@@ -129,10 +129,11 @@ void FogGlow::draw_triangle(const MediaLine& line, const Numbers& numbers, const
 
 Rgb FogGlow::met(const MediaLine& line, const PhaseDirections& directions, const PhaseDirections::Drawn& drawn,
                  const Hit& hit) const {
+    const EmissiveTriangle* const triangle = emitters_.triangle_of(hit);
     const vec3 point = line.origin() + drawn.at_m * line.direction();
     const LightLinks* const links = links_of(hit.instance);
-    const Rgb emitted =
-        MeshEmitters::radiance(scene_, {.origin = point, .direction = drawn.direction}, hit, RayKind::Scatter);
+    const Rgb emitted = MeshEmitters::radiance(scene_, triangle, {.origin = point, .direction = drawn.direction}, hit,
+                                               RayKind::Scatter);
     const Rgb scattered = line.scatter_per_m_sr(*drawn.piece, drawn.at_m, drawn.direction, links);
     const float density = directions.density(*drawn.piece, drawn.at_m, drawn.direction);
     const Rgb arriving = emitted * scattered * line.transmittance(*drawn.piece, drawn.at_m) / density;
@@ -141,14 +142,13 @@ Rgb FogGlow::met(const MediaLine& line, const PhaseDirections& directions, const
     const Rgb passing = passing_to(point, hit, drawn.direction, links);
     if (passing == Rgb(0.0f))
         return passing;
-    const std::uint32_t index = emitters_.index_of(hit);
-    if (index == LightTree::none)
+    if (triangle == nullptr)
         return arriving * passing;
-    const EmissiveTriangle& triangle = emitters_.triangles()[index];
+    const auto index = static_cast<std::uint32_t>(triangle - emitters_.triangles().data());
     const float by_triangle =
         tree_->probability_along(index, tree_line(line)) *
-        GlowDistances(line, triangle, attenuates_light_ ? &media_ : nullptr).density_per_m(*drawn.piece, drawn.at_m) *
-        triangle_pdf_per_sr(triangle.corners, point, point + hit.distance_m * drawn.direction);
+        GlowDistances(line, *triangle, attenuates_light_ ? &media_ : nullptr).density_per_m(*drawn.piece, drawn.at_m) *
+        triangle_pdf_per_sr(triangle->corners, point, point + hit.distance_m * drawn.direction);
     return power_share(density, by_triangle) * arriving * passing;
 }
 

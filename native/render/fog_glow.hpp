@@ -88,9 +88,9 @@ private:
                scene_.object_info(triangle.instance).links.is_blocked_by_all();
     }
     [[nodiscard]] bool is_met_by_chance(const Hit& hit) const {
-        const std::uint32_t index = emitters_.index_of(hit);
-        return index != LightTree::none ? is_met_by_chance(emitters_.triangles()[index])
-                                        : emitters_.is_met_alone(hit) && scene_.lights_media(hit.instance);
+        const EmissiveTriangle* const triangle = emitters_.triangle_of(hit);
+        return triangle != nullptr ? is_met_by_chance(*triangle)
+                                   : emitters_.is_met_alone(hit) && scene_.lights_media(hit.instance);
     }
     /// From a place on a triangle, which `hit` is.
     [[nodiscard]] Rgb passing_to(const vec3& point, const Hit& hit, const vec3& direction,

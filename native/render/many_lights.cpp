@@ -158,7 +158,7 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
         return std::nullopt;
     const Hit hit = hit_at(triangle, place.barycentrics, distance_m);
     const Ray there{.origin = position, .direction = direction, .passed_count = point.passed_count};
-    const Rgb radiance = MeshEmitters::radiance(scene_, there, hit);
+    const Rgb radiance = MeshEmitters::radiance(scene_, &triangle, there, hit);
     if (radiance == Rgb(0.0f))
         return std::nullopt;
     return Aimed{.ray = ray_to(point, hit, direction),
@@ -171,18 +171,19 @@ std::optional<ManyLights::Aimed> ManyLights::aim_at_triangle(const SurfacePoint&
 }
 
 std::optional<ManyLights::Aimed> ManyLights::met(const SurfacePoint& point, const Ray& ray, const Hit& hit) const {
-    const std::uint32_t index = emitters_->index_of(hit);
+    const EmissiveTriangle* const triangle = emitters_->triangle_of(hit);
     float pdf_per_sr = 0.0f;
-    if (index != LightTree::none) {
+    if (triangle != nullptr) {
         const vec3 place = ray.origin + hit.distance_m * ray.direction;
-        pdf_per_sr = tree_->probability(static_cast<std::uint32_t>(lamps_.size()) + index, point.shading.position,
+        const auto index = lamps_.size() + static_cast<std::size_t>(triangle - emitters_->triangles().data());
+        pdf_per_sr = tree_->probability(static_cast<std::uint32_t>(index), point.shading.position,
                                         point.shading.shading_normal) *
-                     triangle_pdf_per_sr(emitters_->triangles()[index].corners, point.shading.position, place);
+                     triangle_pdf_per_sr(triangle->corners, point.shading.position, place);
     } else if (!emitters_->is_met_alone(hit)) {
         return std::nullopt;
     }
     return Aimed{.ray = ray_to(point, hit, ray.direction),
-                 .arriving = MeshEmitters::radiance(scene_, ray, hit),
+                 .arriving = MeshEmitters::radiance(scene_, triangle, ray, hit),
                  .instance = hit.instance,
                  .pdf_per_sr = pdf_per_sr,
                  .light_group = scene_.object_info(hit.instance).light_group,

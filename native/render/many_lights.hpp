@@ -28,7 +28,7 @@ public:
     [[nodiscard]] bool has_glow() const { return has_glow_; }
     /// Whether what glows there is one of these lights.
     [[nodiscard]] bool has(const Hit& hit) const {
-        return emitters_->index_of(hit) != LightTree::none || emitters_->is_met_alone(hit);
+        return emitters_->triangle_of(hit) != nullptr || emitters_->is_met_alone(hit);
     }
 
     struct Aimed {

@@ -2,7 +2,6 @@
 #include "render/mesh_emitters.hpp"
 #include "core/parallel.hpp"
 #include "core/sobol.hpp"
-#include "render/cell_emitters.hpp"
 #include "shading/surface_program.hpp"
 #include <algorithm>
 #include <map>
@@ -16,14 +15,24 @@ static constexpr std::size_t most_boxes = 16;
 /// The back of a closed mesh is drawn, too: it may be a dome around the scene.
 static constexpr float back_of_closed = 0.05f;
 
-Rgb MeshEmitters::radiance(const Scene& scene, const Ray& ray, const Hit& hit, RayKind kind) {
-    if (const Material& material = scene.material(hit.instance, hit.triangle); material.is_constant())
-        return constant_emission(material);
+Rgb MeshEmitters::radiance(const Scene& scene, const EmissiveTriangle* triangle, const Ray& ray, const Hit& hit,
+                           RayKind kind) {
+    if (triangle != nullptr && triangle->is_constant)
+        return triangle->emission;
     return scene.closures({.ray = ray, .kind = kind, .is_of_light = true}, scene.shading_point(ray, hit), hit).emission;
 }
 
 /// How far from dark it is: what glows below 0 takes light away, in Cycles, too.
 static float size_of(const Rgb& radiance) { return average(glm::abs(radiance)); }
+
+/// What its material emits there, from a metre away.
+static Rgb emission_at(const Scene& scene, const EmissiveTriangle& triangle, vec2 barycentrics, bool from_front) {
+    const auto& [a, b, c] = triangle.corners;
+    const vec3 position = a + barycentrics.x * (b - a) + barycentrics.y * (c - a);
+    const vec3 side = from_front ? triangle.normal : -triangle.normal;
+    return MeshEmitters::radiance(scene, nullptr, {.origin = position + side, .direction = -side},
+                                  hit_at(triangle, barycentrics, 1.0f));
+}
 
 /// Mean of some places, seen from both sides.
 static float mean_radiance(const Scene& scene, const EmissiveTriangle& triangle, std::uint32_t place_count) {
@@ -31,12 +40,7 @@ static float mean_radiance(const Scene& scene, const EmissiveTriangle& triangle,
     for (std::uint32_t place = 0; place < place_count; ++place) {
         const vec2 u = sobol_point(place, hash(triangle.instance, triangle.triangle));
         const float root = std::sqrt(u.x);
-        const vec2 barycentrics(root * (1.0f - u.y), root * u.y);
-        const vec3 position = (1.0f - barycentrics.x - barycentrics.y) * triangle.corners[0] +
-                              barycentrics.x * triangle.corners[1] + barycentrics.y * triangle.corners[2];
-        const vec3 side = place % 2 == 0 ? triangle.normal : -triangle.normal;
-        const Ray ray{.origin = position + side, .direction = -side};
-        sum += size_of(MeshEmitters::radiance(scene, ray, hit_at(triangle, barycentrics, 1.0f)));
+        sum += size_of(emission_at(scene, triangle, {root * (1.0f - u.y), root * u.y}, place % 2 == 0));
     }
     return sum / static_cast<float>(place_count);
 }
@@ -114,15 +118,15 @@ void MeshEmitters::add_shapes(const Scene& scene, std::span<const std::uint8_t> 
     std::size_t room = most_of_cells / 2; // faces
     for (const auto& [of, instances] : alike) {
         const std::size_t most = room / instances.size();
-        std::optional<std::vector<std::uint64_t>> faces;
+        std::optional<GlowingFaces> faces;
         if (description.shapes[of.first]->cells() != nullptr && most > 0)
             faces = glowing_faces(scene, instances, most);
         if (!faces) {
             met_alone_.insert(met_alone_.end(), instances.begin(), instances.end());
             continue;
         }
-        room -= faces->size() * instances.size();
-        const auto shared = std::make_shared<const std::vector<std::uint64_t>>(std::move(*faces));
+        room -= faces->cells.size() * instances.size();
+        const auto shared = std::make_shared<const GlowingFaces>(std::move(*faces));
         for (const std::uint32_t instance : instances)
             add_faces(scene, instance, shared);
     }
@@ -130,12 +134,12 @@ void MeshEmitters::add_shapes(const Scene& scene, std::span<const std::uint8_t> 
 }
 
 void MeshEmitters::add_faces(const Scene& scene, std::uint32_t instance,
-                             const std::shared_ptr<const std::vector<std::uint64_t>>& faces) {
+                             const std::shared_ptr<const GlowingFaces>& faces) {
     const PlacedShape& placed = *scene.placed_shape(instance);
     const CellShape& cells = *scene.description().shapes[placed.shape_index]->cells();
     faces_of_shape_[instance] = {static_cast<std::uint32_t>(triangles_.size()), faces};
     const mat3 to_scene(placed.world_from_object);
-    for (const std::uint64_t cell : *faces) {
+    for (const std::uint64_t cell : faces->cells) {
         const CellFace face = cells.face(cell);
         const vec3 corner(placed.world_from_object * vec4(face.corner, 1.0f)), first = to_scene * face.first_edge,
                                                                                second = to_scene * face.second_edge;
@@ -150,7 +154,7 @@ void MeshEmitters::add_faces(const Scene& scene, std::uint32_t instance,
                               .normal = unit_or(cross, vec3(0, 0, 1)),
                               .area_m2 = 0.5f * glm::length(cross),
                               .radiance = 0.0f,
-                              .is_constant = scene.material(instance, 0).is_constant(),
+                              .is_constant = faces->follow_looks,
                               .back = 0.0f};
         triangles_.push_back(half);
         half.is_upper = true;
@@ -171,8 +175,10 @@ void MeshEmitters::find_radiances(const Scene& scene) {
         static_cast<std::uint32_t>(std::clamp<std::size_t>(65536 / (triangles_.size() + 1), 2, 64));
     parallel_for(triangles_.size(), Progress{}, [&](std::size_t index) {
         EmissiveTriangle& triangle = triangles_[index];
-        triangle.radiance = triangle.is_constant ? size_of(constant_emission(material_of(triangle)))
-                                                 : mean_radiance(scene, triangle, place_count);
+        if (triangle.is_constant)
+            triangle.emission = emission_at(scene, triangle, vec2(1.0f / 3.0f), true);
+        triangle.radiance =
+            triangle.is_constant ? size_of(triangle.emission) : mean_radiance(scene, triangle, place_count);
     });
     for (const EmissiveTriangle& triangle : triangles_) {
         Sum& sum = sums[&material_of(triangle)];
@@ -250,10 +256,10 @@ std::uint32_t MeshEmitters::index_of(const Hit& hit) const {
     if (of_shape == faces_of_shape_.end())
         return LightTree::none;
     const auto& [first, faces] = of_shape->second;
-    const auto face = std::ranges::lower_bound(*faces, hit.cell);
-    if (face == faces->end() || *face != hit.cell)
+    const auto face = std::ranges::lower_bound(faces->cells, hit.cell);
+    if (face == faces->cells.end() || *face != hit.cell)
         return LightTree::none;
     const bool is_upper = hit.barycentrics.x + hit.barycentrics.y > 1.0f;
-    return first + 2 * static_cast<std::uint32_t>(face - faces->begin()) + (is_upper ? 1u : 0u);
+    return first + 2 * static_cast<std::uint32_t>(face - faces->cells.begin()) + (is_upper ? 1u : 0u);
 }
 } // namespace tyndall::render

@@ -5,8 +5,9 @@
 // Differs:  others are sampled by area. How bright a triangle is that a program colours is asked at a few of its places;
 //           those that seem dark there are drawn seldom, not never.
 //           Of hair, points, and more faces of cells than most_of_cells no place is aimed at.
-// Bound:    100 bytes a triangle.
+// Bound:    120 bytes a triangle.
 #pragma once
+#include "render/cell_emitters.hpp"
 #include "render/light_tree.hpp"
 #include "scene/scene.hpp"
 #include <algorithm>
@@ -22,9 +23,10 @@ struct EmissiveTriangle {
     std::array<vec3, 3> corners;
     vec3 normal; ///< Unit, as a Hit has it.
     float area_m2;
-    float radiance;   ///< Mean of its channels, without their signs, about.
-    bool is_constant; ///< Its material emits the same everywhere.
-    float back;       ///< How likely its back is seen: less of a closed mesh.
+    float radiance;     ///< Mean of its channels, without their signs, about.
+    bool is_constant;   ///< It emits the same everywhere, to all sides.
+    float back;         ///< How likely its back is seen: less of a closed mesh.
+    Rgb emission{0.0f}; ///< If it is constant.
 };
 
 /// A place on a triangle, seen from a point.
@@ -56,8 +58,11 @@ public:
 
     [[nodiscard]] std::span<const EmissiveTriangle> triangles() const { return triangles_; }
     [[nodiscard]] static LightBounds bounds_of(const EmissiveTriangle& triangle);
-    /// Index of a hit's triangle; LightTree::none where it is no light.
-    [[nodiscard]] std::uint32_t index_of(const Hit& hit) const;
+    /// One of these; nullptr: the hit is of none.
+    [[nodiscard]] const EmissiveTriangle* triangle_of(const Hit& hit) const {
+        const std::uint32_t index = index_of(hit);
+        return index != LightTree::none ? &triangles_[index] : nullptr;
+    }
     /// Placed shapes that glow, as a Hit has them: none of their places is aimed at.
     [[nodiscard]] std::span<const std::uint32_t> met_alone() const { return met_alone_; }
     [[nodiscard]] bool is_met_alone(const Hit& hit) const {
@@ -68,15 +73,15 @@ public:
     [[nodiscard]] std::vector<std::uint32_t> instances() const;
     /// False: the ray misses all that glows, whatever stands before it.
     [[nodiscard]] bool may_meet(const Ray& ray) const;
-    /// Radiance that leaves the hit towards where the ray comes from.
-    [[nodiscard]] static Rgb radiance(const Scene& scene, const Ray& ray, const Hit& hit,
-                                      RayKind kind = RayKind::Diffuse);
+    /// Radiance that leaves a hit, which may be of a triangle, towards where the ray comes from.
+    [[nodiscard]] static Rgb radiance(const Scene& scene, const EmissiveTriangle* triangle, const Ray& ray,
+                                      const Hit& hit, RayKind kind = RayKind::Diffuse);
 
 private:
+    [[nodiscard]] std::uint32_t index_of(const Hit& hit) const; ///< LightTree::none: of no triangle.
     void add_mesh(const Scene& scene, std::uint32_t instance, std::span<const std::uint8_t> glows);
     void add_shapes(const Scene& scene, std::span<const std::uint8_t> glows);
-    void add_faces(const Scene& scene, std::uint32_t instance,
-                   const std::shared_ptr<const std::vector<std::uint64_t>>& faces);
+    void add_faces(const Scene& scene, std::uint32_t instance, const std::shared_ptr<const GlowingFaces>& faces);
     void find_radiances(const Scene& scene);
     void find_boxes(const SceneDescription& scene);
 
@@ -85,7 +90,7 @@ private:
     std::vector<std::uint32_t> index_of_triangle_;
     struct CellFaces {
         std::uint32_t first = 0; ///< Two triangles a face.
-        std::shared_ptr<const std::vector<std::uint64_t>> faces;
+        std::shared_ptr<const GlowingFaces> faces;
     };
     std::unordered_map<std::uint32_t, CellFaces> faces_of_shape_; ///< By the instance of a Hit.
     std::vector<std::uint32_t> met_alone_;                        ///< Ascending.
