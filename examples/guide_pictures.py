@@ -46,6 +46,7 @@ from guide_edits import (
 from guide_fire import show_fire
 from guide_glass import show_still_life
 from guide_patterns import show_patterns
+from guide_street import show_street
 from guide_voxels import show_ambient_pass, show_courtyard
 
 import tyndall.blender
@@ -152,6 +153,7 @@ PICTURES = (
     Picture("voxel_courtyard_ao", "", show_ambient_pass),
     Picture("voxel_patterns_mesh", "", partial(show_patterns, are_voxels=False)),
     Picture("voxel_patterns", "", partial(show_patterns, are_voxels=True)),
+    Picture("voxel_street", "", show_street),
     Picture("fire", "", show_fire, size_px=FIRE_PX),
     Picture("fire_cycles", "", partial(show_fire, "CYCLES"), size_px=FIRE_PX),
     Picture("glass_straight", "", partial(show_still_life, bends=False)),

@@ -98,7 +98,8 @@ def shader(name: str, kind: str, **inputs: object) -> bpy.types.Material:
     return material
 
 
-def _add(name: str, data: bpy.types.ID) -> bpy.types.Object:
+def add(name: str, data: bpy.types.ID) -> bpy.types.Object:
+    """Put data into the scene as an object."""
     thing = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(thing)
     return thing
@@ -111,7 +112,7 @@ def show_courtyard(*, is_lit_by_others: bool) -> None:
     path = Path(bpy.app.tempdir) / "courtyard.tdag"
     dag = courtyard()
     dag.save(path)
-    court = _add("Courtyard", bpy.data.meshes.new("Courtyard"))
+    court = add("Courtyard", bpy.data.meshes.new("Courtyard"))
     court.tyndall_voxels.path = str(path)
     court.data.materials.append(shader("Colours", "ShaderNodeBsdfDiffuse", Color=(1, 1, 1, 1)))
     low, high = ((part.start * SIDE_M, part.stop * SIDE_M) for part in POND)
@@ -121,14 +122,14 @@ def show_courtyard(*, is_lit_by_others: bool) -> None:
     water.materials.append(
         shader("Water", "ShaderNodeBsdfPrincipled", Base_Color=(0.01, 0.05, 0.06, 1), Roughness=0.0, IOR=1.33)
     )
-    _add("Water", water)
+    add("Water", water)
     ground = bpy.data.meshes.new("Ground")
     ground.from_pydata([(x, y, -0.01) for x, y in ((-60, -60), (60, -60), (60, 60), (-60, 60))], [], [(0, 1, 2, 3)])
     ground.materials.append(shader("Grass", "ShaderNodeBsdfDiffuse", Color=(0.16, 0.2, 0.07, 1)))
-    _add("Ground", ground)
+    add("Ground", ground)
     sun = bpy.data.lights.new("Sun", "SUN")
     sun.energy, sun.color, sun.angle = 5.5, (1.0, 0.86, 0.7), 0.01
-    _add("Sun", sun).rotation_euler = (math.radians(44), 0, math.radians(62))
+    add("Sun", sun).rotation_euler = (math.radians(44), 0, math.radians(62))
     scene.world = bpy.data.worlds.new("Sky")
     if not scene.world.use_nodes:
         scene.world.use_nodes = True
@@ -137,7 +138,7 @@ def show_courtyard(*, is_lit_by_others: bool) -> None:
     background.inputs["Strength"].default_value = 0.55
     lens = bpy.data.cameras.new("Camera")
     lens.lens = 28
-    scene.camera = _add("Camera", lens)
+    scene.camera = add("Camera", lens)
     scene.camera.location = (6.3, -3.3, 2.3)
     towards = Vector((3.5, 4.2, 1.2)) - scene.camera.location
     scene.camera.rotation_euler = towards.to_track_quat("-Z", "Y").to_euler()
