@@ -292,7 +292,8 @@ Rgb Scene::emission_of(const CellLook& look, const Ray& ray, RayKind kind, const
                        .geometric_normal = hit.geometric_normal,
                        .shading_normal = hit.geometric_normal};
     point.view_cosine = view_cosine(point, ray);
-    std::vector<vec2> uvs;
+    thread_local std::vector<vec2> uvs;
+    uvs.clear();
     look_up_uvs(*shape_of(*placed_shape(hit.instance)).cells(), look, surface, uvs);
     return evaluate(surface, program_point({.ray = ray, .kind = kind, .is_of_light = true}, point, hit, surface), uvs)
         .emission;

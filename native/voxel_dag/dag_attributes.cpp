@@ -121,13 +121,17 @@ std::optional<VoxelSample> DagAttributes::sample_at(const PackedDag& dag, const 
     return sum.mean();
 }
 
-std::optional<std::vector<std::uint64_t>>
-DagAttributes::entries_where(const std::function<bool(const VoxelSample&)>& is_wanted, std::size_t most) const {
-    std::vector<std::uint8_t> wanted(voxels_->table.material_count());
-    for (std::uint32_t material = 0; material < wanted.size(); ++material)
-        wanted[material] = is_wanted(sample(*voxels_, material)) ? 1 : 0;
+std::vector<bool> DagAttributes::materials_where(const std::function<bool(const VoxelSample&)>& is_wanted) const {
+    std::vector<bool> found(voxels_->table.material_count());
+    for (std::uint32_t material = 0; material < found.size(); ++material)
+        found[material] = is_wanted(sample(*voxels_, material));
+    return found;
+}
+
+std::optional<std::vector<std::uint64_t>> DagAttributes::entries_of(const std::vector<bool>& is_wanted,
+                                                                    std::size_t most) const {
     std::vector<std::uint64_t> entries;
-    if (std::ranges::none_of(wanted, [](std::uint8_t one) { return one != 0; }))
+    if (std::ranges::find(is_wanted, true) == is_wanted.end())
         return entries;
     std::vector<std::uint32_t> materials(std::size_t{1} << 16);
     for (std::uint64_t begin = 0; begin < voxels_->indices.size(); begin += materials.size()) {
@@ -135,7 +139,7 @@ DagAttributes::entries_where(const std::function<bool(const VoxelSample&)>& is_w
             static_cast<std::size_t>(std::min<std::uint64_t>(materials.size(), voxels_->indices.size() - begin));
         voxels_->indices.decode(begin, std::span(materials).first(count));
         for (std::size_t i = 0; i < count; ++i)
-            if (materials[i] < wanted.size() && wanted[materials[i]] != 0)
+            if (materials[i] < is_wanted.size() && is_wanted[materials[i]])
                 entries.push_back(begin + i);
         if (entries.size() > most)
             return std::nullopt;

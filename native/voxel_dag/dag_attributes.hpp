@@ -75,9 +75,11 @@ public:
     [[nodiscard]] std::optional<VoxelSample> sample_at(const PackedDag& dag, const Voxel& voxel,
                                                        std::uint32_t level) const;
 
-    /// Entries of voxels that carry what is wanted, rising; nothing where there are more than `most`.
-    [[nodiscard]] std::optional<std::vector<std::uint64_t>>
-    entries_where(const std::function<bool(const VoxelSample&)>& is_wanted, std::size_t most) const;
+    /// Per material of voxels, whether it is wanted.
+    [[nodiscard]] std::vector<bool> materials_where(const std::function<bool(const VoxelSample&)>& is_wanted) const;
+    /// Entries of voxels of wanted materials, rising; nothing where there are more than `most`.
+    [[nodiscard]] std::optional<std::vector<std::uint64_t>> entries_of(const std::vector<bool>& is_wanted,
+                                                                       std::size_t most) const;
 
 private:
     struct Materials {

@@ -137,22 +137,16 @@ public:
     }
     [[nodiscard]] std::optional<std::vector<std::uint64_t>>
     open_faces(const std::function<bool(const CellLook&)>& is_wanted, std::size_t most) const override {
-        const std::optional<std::vector<Voxel>> voxels = voxels_where(is_wanted, most);
-        if (!voxels)
-            return std::nullopt;
-        std::vector<std::uint64_t> faces;
-        for (const Voxel& voxel : *voxels)
-            for (std::uint32_t axis = 0; axis < 3; ++axis)
-                for (const bool is_upper : {false, true}) {
-                    Voxel beside = voxel; // below 0 there is none, as beyond the last
-                    beside[axis] += is_upper ? 1u : ~0u;
-                    if (placed_->dag.contains(beside))
-                        continue;
-                    if (faces.size() == most)
-                        return std::nullopt;
-                    faces.push_back(FaceCode(voxel, axis, is_upper).number());
-                }
-        return faces;
+        std::vector<bool> wanted{true};
+        if (placed_->attributes != nullptr)
+            wanted = placed_->attributes->materials_where(
+                [&](const VoxelSample& sample) { return is_wanted(look_of(sample)); });
+        else
+            wanted[0] = is_wanted(CellLook{});
+        const std::lock_guard lock(finding_faces_);
+        if (faces_.most != most || faces_.wanted != wanted)
+            faces_ = {wanted, most, find_open_faces(wanted, most)};
+        return faces_.found;
     }
     [[nodiscard]] std::span<const std::string> channel_names() const override {
         return placed_->attributes == nullptr ? std::span<const std::string>()
@@ -197,34 +191,49 @@ private:
             look.channels[channel] = static_cast<float>(sample.channels[channel]) / 255.0f;
         return look;
     }
-    /// In any order.
-    [[nodiscard]] std::optional<std::vector<Voxel>> voxels_where(const std::function<bool(const CellLook&)>& is_wanted,
-                                                                 std::size_t most) const {
+    /// `wanted`: by materials of attributes; without these one for all. In any order.
+    [[nodiscard]] std::optional<std::vector<Voxel>> voxels_of(const std::vector<bool>& wanted, std::size_t most) const {
         const PackedDag& dag = placed_->dag;
         if (placed_->attributes != nullptr) {
             if (dag.voxel_count > most_searched)
                 return std::nullopt;
-            const auto entries = placed_->attributes->entries_where(
-                [&](const VoxelSample& sample) { return is_wanted(look_of(sample)); }, most);
+            const auto entries = placed_->attributes->entries_of(wanted, most);
             if (!entries)
                 return std::nullopt;
             return voxels_of_entries(dag, placed_->attributes->parts().order, *entries);
         }
         std::vector<Voxel> voxels;
-        if (dag.is_empty() || !is_wanted(CellLook{}))
+        if (dag.is_empty() || !wanted[0])
             return voxels;
         if (dag.voxel_count > most)
             return std::nullopt;
-        decode(
-            dag, most,
-            [&](const LeafMasks& part) {
-                for (std::size_t brick = 0; brick < part.codes.size(); ++brick)
-                    for (std::uint64_t left = part.masks[brick]; left != 0; left &= left - 1)
-                        voxels.push_back(
-                            voxel_at(part.codes[brick] << 6 | static_cast<std::uint64_t>(std::countr_zero(left))));
-            },
-            Progress{});
+        const auto take = [&](const LeafMasks& part) {
+            for (std::size_t brick = 0; brick < part.codes.size(); ++brick)
+                for (std::uint64_t left = part.masks[brick]; left != 0; left &= left - 1)
+                    voxels.push_back(
+                        voxel_at(part.codes[brick] << 6 | static_cast<std::uint64_t>(std::countr_zero(left))));
+        };
+        decode(dag, most, take, Progress{});
         return voxels;
+    }
+    [[nodiscard]] std::optional<std::vector<std::uint64_t>> find_open_faces(const std::vector<bool>& wanted,
+                                                                            std::size_t most) const {
+        const std::optional<std::vector<Voxel>> voxels = voxels_of(wanted, most);
+        if (!voxels)
+            return std::nullopt;
+        std::vector<std::uint64_t> faces;
+        for (const Voxel& voxel : *voxels)
+            for (std::uint32_t axis = 0; axis < 3; ++axis)
+                for (const bool is_upper : {false, true}) {
+                    Voxel beside = voxel; // below 0 there is none, as beyond the last
+                    beside[axis] += is_upper ? 1u : ~0u;
+                    if (placed_->dag.contains(beside))
+                        continue;
+                    if (faces.size() == most)
+                        return std::nullopt;
+                    faces.push_back(FaceCode(voxel, axis, is_upper).number());
+                }
+        return faces;
     }
     /// From a voxel that was found to stop the ray to the cube around it whose means it is to show, if there are any.
     void widen(const VoxelRay& ray, VoxelHit& hit) const {
@@ -333,6 +342,14 @@ private:
     Tracer tracer_;
     double per_m_;
     Bounds3 bounds_;
+    /// What was last asked for: a scene in which something else moved asks the same.
+    struct KeptFaces {
+        std::vector<bool> wanted;
+        std::size_t most = 0;
+        std::optional<std::vector<std::uint64_t>> found;
+    };
+    mutable std::mutex finding_faces_;
+    mutable KeptFaces faces_;
     mutable std::mutex preparing_;
     mutable std::unique_ptr<const NodeShares> shares_; ///< Made when rays first ask for cubes.
     mutable std::atomic<const NodeShares*> ready_shares_{nullptr};
