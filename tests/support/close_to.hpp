@@ -5,5 +5,7 @@
 #include <doctest/doctest.h>
 
 namespace tyndall::support {
-inline doctest::Approx close_to(double value, double share) { return doctest::Approx(value).epsilon(share).scale(1e-9); }
+inline doctest::Approx close_to(double value, double share) {
+    return doctest::Approx(value).epsilon(share).scale(1e-9);
+}
 } // namespace tyndall::support
