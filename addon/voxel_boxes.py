@@ -93,21 +93,20 @@ def add_own_material(box: Object, channels: Collection[str], glow: Sequence[floa
     surface = shader.outputs[0]
     if EMISSION in channels and (glow is None or any(glow)):
         row = len(kept) + 1
-        how_much, emission, both = (
-            channel(EMISSION, 1, row),
+        brightness, emission, both = (
+            new("ShaderNodeMath", 2, row),
             new("ShaderNodeEmission", 3, 1),
             new("ShaderNodeAddShader", 4, 0),
         )
+        strength = 1.0 if glow is None else max(glow)
         if glow is None:
             tree.links.new(colours.outputs["Color"], emission.inputs["Color"])
-            tree.links.new(how_much, emission.inputs["Strength"])
         else:
-            strength, times = max(glow), new("ShaderNodeMath", 2, row)
             emission.inputs["Color"].default_value = (*(part / strength for part in glow), 1.0)
-            times.operation = "MULTIPLY"
-            times.inputs[1].default_value = strength
-            tree.links.new(how_much, times.inputs[0])
-            tree.links.new(times.outputs[0], emission.inputs["Strength"])
+        brightness.label, brightness.operation = "Brightness", "MULTIPLY"
+        brightness.inputs[1].default_value = strength
+        tree.links.new(channel(EMISSION, 1, row), brightness.inputs[0])
+        tree.links.new(brightness.outputs[0], emission.inputs["Strength"])
         tree.links.new(surface, both.inputs[0])
         tree.links.new(emission.outputs[0], both.inputs[1])
         surface = both.outputs[0]
