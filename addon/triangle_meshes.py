@@ -11,6 +11,8 @@ import numpy as np
 from .voxel_boxes import COLOURS
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from bpy.types import Mesh
     from numpy.typing import NDArray
 
@@ -22,8 +24,12 @@ def triangle_mesh(
     colors: NDArray[np.uint8] | None,
     *,
     is_smooth: bool,
+    channels: Mapping[str, NDArray[np.uint8]] | None = None,
 ) -> Mesh:
-    """``colors``, (m, 3), of triangles, as sRGB encodes them: the mesh's colour attribute."""
+    """``colors``, (m, 3), of triangles, as sRGB encodes them: the mesh's colour attribute.
+
+    ``channels``: attributes, each (m,), of which 255 becomes 1.
+    """
     mesh = bpy.data.meshes.new(name)
     count = len(triangles)
     mesh.vertices.add(len(positions_m))
@@ -41,5 +47,7 @@ def triangle_mesh(
         rgba[:, :3] = colors
         attribute = mesh.color_attributes.new(COLOURS, "BYTE_COLOR", "CORNER")
         attribute.data.foreach_set("color_srgb", (np.repeat(rgba, 3, axis=0) / np.float32(255.0)).ravel())
+    for channel, values in (channels or {}).items():
+        mesh.attributes.new(channel, "FLOAT", "FACE").data.foreach_set("value", values / np.float32(255.0))
     mesh.update(calc_edges=True)
     return mesh

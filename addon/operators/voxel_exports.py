@@ -68,13 +68,20 @@ class TYNDALL_OT_voxels_to_mesh(BoxOperator, _Leveled, _AtOnce, Operator):
         box = context.object
         try:
             dag = load(file_of(box))
-            made = dag.to_mesh(self.kind.lower(), level=self._level(dag.resolution))
+            level, are_boxes = self._level(dag.resolution), self.kind == "BOXES"
+            made = dag.to_mesh(self.kind.lower(), level=level)
+            channels = dag.box_channels(made, level=level) if are_boxes else {}
         except (ValueError, OSError) as error:
             return self._refuse(error)
         if len(made.triangles) == 0:
             return self._refuse(f"{file_of(box).name} has no voxels")
         data = triangle_mesh(
-            f"{box.name} Mesh", made.positions_m, made.triangles, made.colors, is_smooth=self.kind == "SMOOTH"
+            f"{box.name} Mesh",
+            made.positions_m,
+            made.triangles,
+            made.colors,
+            is_smooth=not are_boxes,
+            channels=channels,
         )
         for material in box.data.materials:
             data.materials.append(material)

@@ -98,6 +98,28 @@ def test_boxes_have_the_colours_of_their_voxels_on_each_face(level: int) -> None
     assert from_coordinates(voxels, Config(resolution=64)).to_mesh().colors is None
 
 
+@pytest.mark.parametrize("level", [6, 4])
+def test_boxes_have_the_channels_of_their_voxels(level: int) -> None:
+    """In a cube that is no unit one, where each voxel's colour says which it is."""
+    random = np.random.default_rng(7)
+    voxels = np.unique(random.integers(0, 64, (2000, 3)), axis=0)
+    channels = {name: random.integers(0, 256, len(voxels)).astype(np.uint8) for name in ("emission", "roughness")}
+    bounds_m = ((-3.0, 1.0, 2.0), (0.2, 4.2, 5.2))
+    colors = (4 * voxels).astype(np.uint8)
+    dag = from_coordinates(voxels, Config(resolution=64, bounds_m=bounds_m, colors=colors, channels=channels))
+    mesh = dag.to_mesh(level=level)
+    found = dag.box_channels(mesh, level=level)
+    assert set(found) == set(channels)
+    assert all(values.shape == (len(mesh.triangles),) for values in found.values())
+    if level == 6:
+        assert mesh.colors is not None
+        for name in channels:
+            assert np.array_equal(found[name], dag.channel_at(name, mesh.colors // 4))
+    of_level = {name: set(dag.channel_at(name, voxels, level).tolist()) for name in channels}
+    assert all(set(found[name].tolist()) <= of_level[name] for name in channels)
+    assert ball(16, 5.0).box_channels(ball(16, 5.0).to_mesh()) == {}
+
+
 def test_a_smooth_mesh_is_closed_looks_outward_and_keeps_to_the_surface() -> None:
     dag = ball(64, 25.0)
     positions_m, triangles, _ = dag.to_mesh("smooth")

@@ -20,6 +20,7 @@ from .grid_colors import BYTES_PER_VOXEL, linear_of, voxels_of_blocks
 #: Of a block of 8 x 8 x 8 voxels while OpenVDB has it: its own leaf, and those around it that a level set needs.
 GRID_BYTES_PER_BLOCK = 8192
 _COLOR_BYTES_PER_BLOCK = 8192  #: A leaf of vectors, likewise.
+_SQUARES_AT_ONCE = 1 << 18
 
 
 class VoxelMesh(NamedTuple):
@@ -66,6 +67,29 @@ class Exports:
         origins, words = self._blocks(coarser, memory_budget_bytes, progress)
         centres, triangles = _volume_io.smooth_mesh(origins, words, progress)
         return VoxelMesh((centres.astype(np.float64) + 0.5) * cube_m + lower_m, triangles, None)
+
+    def box_channels(
+        self, mesh: VoxelMesh, *, level: int | None = None, progress: Progress | None = None
+    ) -> dict[str, NDArray[np.uint8]]:
+        """By name the channels of what ``to_mesh`` made of boxes of that level: of each triangle, (m,).
+
+        Raises InvalidInput where a triangle is of no cube, and Cancelled.
+        """
+        names: list[str] = self._native.channels
+        squares = mesh.triangles.reshape(-1, 2, 3)
+        channels = {name: np.empty(len(squares), np.uint8) for name in names}
+        lower_m, side_m = self._native.bounds_m
+        coarser = doublings(level, self._native.resolution)
+        cubes_per_m = self._native.resolution / math.ldexp(side_m, coarser)
+        for first in range(0, len(squares) if names else 0, _SQUARES_AT_ONCE):
+            part = slice(first, first + _SQUARES_AT_ONCE)
+            halves = cubes_per_m * (mesh.positions_m[squares[part, 0]] - lower_m)  # triangles, as wide as their squares
+            outwards = np.cross(halves[:, 1] - halves[:, 0], halves[:, 2] - halves[:, 0])  # of length 1, as the edges
+            within = 0.5 * (halves.min(axis=1) + halves.max(axis=1) - outwards)
+            cubes = np.floor(within).astype(np.uint32) << coarser
+            for name in names:
+                channels[name][part] = self._native.channel_at(name, cubes, coarser, progress or Progress())
+        return {name: np.repeat(values, 2) for name, values in channels.items()}
 
     def to_vdb(
         self,
