@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Noise of fog that meshes light at equal time: ours and Cycles' with its light tree.
 
-scripts/python benchmarks/glow_in_fog_bench.py --context FILE --output FILE. Times are the process's CPU time on one
-thread, of a render less that of the same render with one sample per pixel. Noise: of two renders that differ in their
-seed, per pixel, relative to the picture's mean; as the root of its mean square, which the worst pixels make, and as the
-median. It falls with the root of the time, which makes one figure of both: noise times root of CPU seconds.
+scripts/python benchmarks/glow_in_fog_bench.py --context FILE --output FILE. What the figures are: glow_noise.py.
 """
 
 from __future__ import annotations
@@ -12,11 +9,10 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-import numpy as np
-from many_lights_bench import measured
+from glow_noise import rows_of
 
 import tyndall.blender
-from report import Row, argument_parser, row, write_report
+from report import Row, argument_parser, write_report
 
 sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
@@ -32,28 +28,7 @@ def run() -> list[Row]:
     for name in SCENES:
         scene = build(name)
         scene.render.resolution_x, scene.render.resolution_y = SIZE_PX
-        scene.render.threads_mode, scene.render.threads = "FIXED", 1
-        for engine, samples in SAMPLES.items():
-            _, of_setup_s = measured(scene, engine, 1, 1)
-            (first, first_s), (second, second_s) = (measured(scene, engine, samples, seed) for seed in (1, 2))
-            cpu_s = max(min(first_s, second_s) - of_setup_s, 1e-3) * samples / (samples - 1)
-            level = (first.mean() + second.mean()) / 2
-            noise = np.sqrt(((first - second) ** 2).mean(axis=2) / 2) / level
-            rms, median = float(np.sqrt((noise**2).mean())), float(np.median(noise) / 0.6745)
-            rows.append(
-                row(
-                    f"{name}, {engine}",
-                    cpu_s,
-                    samples=samples,
-                    setup_cpu_s=of_setup_s,
-                    mean=float(level),
-                    rms_noise=rms,
-                    median_noise=median,
-                    rms_times_root_s=rms * cpu_s**0.5,
-                    median_times_root_s=median * cpu_s**0.5,
-                )
-            )
-            print(rows[-1], flush=True)
+        rows += rows_of(name, scene, SAMPLES)
     return rows
 
 
