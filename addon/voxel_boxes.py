@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from bpy.types import Context, Mesh, Node, NodeSocket, Object
 
+    from .sync.voxel_colours import Glow
+
 _CORNERS = tuple(product((0, 1), repeat=3))
 _EDGES = tuple(
     (one, other)
@@ -62,8 +64,8 @@ def add_voxel_box(context: Context, name: str, path: str, bounds_m: Bounds, loca
     return box
 
 
-def add_own_material(box: Object, channels: Collection[str], glow: Sequence[float] | None = None) -> None:
-    """Show what voxels carry: colours, gloss, metal, and emission times ``glow``; None: times the colours.
+def add_own_material(box: Object, channels: Collection[str], glow: Glow | None = None) -> None:
+    """Show what voxels carry: colours, gloss, metal, and emission times ``glow``; None: times the surface's colours.
 
     Without channels of gloss they are diffuse; of those that are not there a Principled BSDF has its own.
     """
@@ -89,22 +91,30 @@ def add_own_material(box: Object, channels: Collection[str], glow: Sequence[floa
             tree.links.new(channel(name, 1, row), shader.inputs[_INPUT_OF_CHANNEL[name]])
     else:
         shader = new("ShaderNodeBsdfDiffuse", 2, 0)
-    tree.links.new(colours.outputs["Color"], shader.inputs[0])
+    if glow is None or glow.hue is not None:
+        tree.links.new(colours.outputs["Color"], shader.inputs[0])
+    else:
+        is_dark, surface_colour = new("ShaderNodeMath", 0, 1), new("ShaderNodeVectorMath", 1, -1)
+        is_dark.operation, is_dark.inputs[1].default_value = "LESS_THAN", 0.5 / 255.0
+        surface_colour.operation = "SCALE"
+        tree.links.new(channel(EMISSION, -1, 1), is_dark.inputs[0])
+        tree.links.new(is_dark.outputs[0], surface_colour.inputs["Scale"])
+        tree.links.new(colours.outputs["Color"], surface_colour.inputs[0])
+        tree.links.new(surface_colour.outputs[0], shader.inputs[0])
     surface = shader.outputs[0]
-    if EMISSION in channels and (glow is None or any(glow)):
+    if EMISSION in channels and (glow is None or glow.strength > 0.0):
         row = len(kept) + 1
         brightness, emission, both = (
             new("ShaderNodeMath", 2, row),
             new("ShaderNodeEmission", 3, 1),
             new("ShaderNodeAddShader", 4, 0),
         )
-        strength = 1.0 if glow is None else max(glow)
-        if glow is None:
+        if glow is None or glow.hue is None:
             tree.links.new(colours.outputs["Color"], emission.inputs["Color"])
         else:
-            emission.inputs["Color"].default_value = (*(part / strength for part in glow), 1.0)
+            emission.inputs["Color"].default_value = (*glow.hue, 1.0)
         brightness.label, brightness.operation = "Brightness", "MULTIPLY"
-        brightness.inputs[1].default_value = strength
+        brightness.inputs[1].default_value = 1.0 if glow is None else glow.strength
         tree.links.new(channel(EMISSION, 1, row), brightness.inputs[0])
         tree.links.new(brightness.outputs[0], emission.inputs["Strength"])
         tree.links.new(surface, both.inputs[0])

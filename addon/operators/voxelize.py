@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from tyndall.voxel_dag import Config, Estimate, Extent, FileHeader, VoxelDag
 
     from ..properties.voxels import TyndallVoxelizeSettings
+    from ..sync.voxel_colours import Glow
     from ..sync.voxel_meshes import VoxelMesh
 
 _DIALOG_WIDTH_PX = 360
@@ -232,10 +233,11 @@ def _chosen(context: Context) -> tuple[list[Object], str]:
     return things, named.name if named is not None else ""
 
 
-def _glow(mesh: VoxelMesh) -> tuple[float, ...]:
+def _glow(mesh: VoxelMesh) -> Glow:
+    """Of voxels with colours."""
     from ..sync.voxel_surfaces import glow_of
 
-    return tuple(glow_of(mesh).tolist())
+    return glow_of(mesh, has_colors=True)
 
 
 def _plan(extent: Extent, settings: TyndallVoxelizeSettings) -> _Plan:

@@ -159,8 +159,8 @@ class TyndallVoxelizeSettings(PropertyGroup):
     )
     has_emission: BoolProperty(
         name="Emission",
-        description="Keep how brightly the surface glows, as a share of what glows most: voxels glow so, in one hue. "
-        "Their materials read it by an Attribute node named emission",
+        description="Keep how brightly the surface glows, as a share of what glows most: voxels glow so, in its hues "
+        "where they have colours. Their materials read it by an Attribute node named emission",
         options=set(),
         update=tag,
         override=OVERRIDABLE,

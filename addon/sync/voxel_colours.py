@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -40,6 +40,14 @@ _SAME = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 _LUMINANCE = np.array((0.2126729, 0.7151522, 0.0721750))  #: Of Rec. 709.
 
 
+class Glow(NamedTuple):
+    """What voxels radiate whose emission is 1."""
+
+    strength: float
+    #: Its largest is 1; None: the colours of voxels that glow, which are then not those of their surface.
+    hue: tuple[float, float, float] | None
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Colouring:
     """How a material looks on voxels."""
@@ -49,7 +57,8 @@ class Colouring:
     #: As MaterialReader.channels has them, where they vary in a way that neither texels nor corners have; all but
     #: emission.
     programs: Mapping[str, Material] = field(default_factory=dict)
-    glow: NDArray[np.floating[Any]] = field(default_factory=lambda: np.zeros(3))  #: Mean of what it emits, (3,).
+    #: What it emits, (height, width, 3).
+    glow: NDArray[np.floating[Any]] = field(default_factory=lambda: np.zeros((1, 1, 3)))
     extension: Extension = Extension.REPEAT
     uv_map: str = ""  #: "" is the active one.
     uv_matrix: tuple[float, ...] = _SAME  #: 3x3, row by row, applied to (u, v, 1).
@@ -88,9 +97,9 @@ def colouring_of(colour: Material, channels: Mapping[str, Material], reports: Re
         told = "its glow is, on voxels, pictures times colour attributes; what else its nodes read is half grey"
         reports.add(f'Material "{colour.name}"', told)
     varies = len(set(places)) > 1 or not all(are_simple.values())
-    glow = np.zeros(3)
+    glow: NDArray[np.floating[Any]] = np.zeros((1, 1, 3))
     if EMISSION in channels:
-        glow = parts_of(channels[EMISSION], diffuse_radiance).texels.reshape(-1, 3).mean(axis=0)
+        glow = parts_of(channels[EMISSION], diffuse_radiance).texels
     uv_map, uv_matrix, extension = places[0] if places else ("", _SAME, Extension.REPEAT)
     return Colouring(
         parts=parts,

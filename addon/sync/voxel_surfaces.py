@@ -12,7 +12,7 @@ from tyndall.voxel_dag import Material, Textures
 
 from .materials import COLOUR
 from .varying_voxels import draw, texel_size_m
-from .voxel_colours import EMISSION, luminance
+from .voxel_colours import EMISSION, Glow, luminance
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -23,23 +23,33 @@ if TYPE_CHECKING:
     from .voxel_meshes import VoxelMesh
 
 
-def glow_of(mesh: VoxelMesh) -> NDArray[np.floating[Any]]:
-    """Radiance of a voxel whose emission is 1, (3,): the hue is that of what glows most."""
-    if not any(EMISSION in colouring.channels for colouring in mesh.colourings):
-        return np.zeros(3)
-    most = max(
-        float(colouring.channels[EMISSION].texels.max())
-        for colouring in mesh.colourings
-        if EMISSION in colouring.channels
-    )
-    glow = max((colouring.glow for colouring in mesh.colourings), key=lambda hue: float(luminance(hue)[0]))
-    brightest = float(luminance(glow)[0])
-    if brightest <= 0.0:
-        return np.zeros(3)
-    hues = [colouring.glow / luminance(colouring.glow)[0] for colouring in mesh.colourings if colouring.glow.any()]
+_DIM = 0.01  #: Of what glows most: what glows less has no hue that counts.
+
+
+def glow_of(mesh: VoxelMesh, *, has_colors: bool) -> Glow:
+    """In the hues of what glows where these differ and voxels have colours, else in that of what glows most."""
+    glows = [colouring.glow.reshape(-1, 3) for colouring in mesh.colourings if EMISSION in colouring.channels]
+    texels = np.concatenate([np.zeros((1, 3)), *glows])
+    brightest = texels.max(axis=1)
+    if not (strength := float(brightest.max())) > 0.0:
+        return Glow(0.0, (1.0, 1.0, 1.0))
+    shown = brightest > _DIM * strength
+    hues = texels[shown] / brightest[shown, None]
     if not np.allclose(hues, hues[0], atol=0.02):
-        mesh.reports.add("Emission", "voxels glow in one colour, that of what glows most")
-    return glow * (most / brightest)
+        if has_colors:
+            return Glow(strength, None)
+        mesh.reports.add("Emission", "voxels without colours glow in one, that of what glows most")
+    most = texels[luminance(texels).argmax()]
+    return Glow(float(most.max()), tuple((most / most.max()).tolist()))
+
+
+def _hues_of(colouring: Colouring) -> NDArray[np.floating[Any]] | None:
+    """Of what glows, (height, width, 3); black where it does not. None: nowhere."""
+    if not colouring.glow.any():
+        return None
+    brightest = colouring.glow.max(axis=2, keepdims=True)
+    hues: NDArray[np.floating[Any]] = colouring.glow / np.where(brightest > 0.0, brightest, 1.0)
+    return hues
 
 
 def surface_of(
@@ -56,10 +66,14 @@ def surface_of(
     ``poll`` may raise to stop. Raises IoError of textures that lie in a file.
     """
     wanted = [*([COLOUR] if has_colors else []), *channels]
+    glow = glow_of(mesh, has_colors=has_colors) if EMISSION in wanted else None
     fields: dict[str, Any] = {}
     if wanted:
-        fields["textures"] = _textures_of(mesh, wanted, resolution, poll)
+        fields["textures"] = _textures_of(mesh, wanted, glow, resolution, poll)
     factors = {name: mesh.corner_factors[name] for name in wanted if name in mesh.corner_factors}
+    if COLOUR in factors and glow is not None and glow.hue is None:
+        glowing = np.array([colouring.glow.any() for colouring in mesh.colourings])
+        factors[COLOUR] = np.where(glowing[mesh.colouring_of_triangle][:, None, None], 1.0, factors[COLOUR])
     if not (has_normals or factors):
         return mesh.positions_m, mesh.triangles, fields
     positions_m, triangles, normals = split_corners(mesh)
@@ -71,9 +85,13 @@ def surface_of(
     return positions_m, triangles, fields
 
 
-def _textures_of(mesh: VoxelMesh, wanted: list[str], resolution: int, poll: Callable[[], None]) -> Textures:
-    most = max((float(luminance(glow_of(mesh))[0]), 1e-9)) if EMISSION in wanted else 1.0
-    materials = [_material(colouring, wanted, most) for colouring in mesh.colourings]
+def _textures_of(
+    mesh: VoxelMesh, wanted: list[str], glow: Glow | None, resolution: int, poll: Callable[[], None]
+) -> Textures:
+    materials = [_material(colouring, wanted, glow) for colouring in mesh.colourings]
+    has_own_hues = glow is not None and glow.hue is None
+    if has_own_hues and any(one.glow.any() and one.texels.any() for one in mesh.colourings):
+        mesh.reports.add("Emission", "voxels that glow in different colours have these alone, not their surfaces'")
     corner_uvs, material_of_triangle = mesh.corner_uvs, mesh.colouring_of_triangle
     if mesh.varying:
         corner_uvs, material_of_triangle = corner_uvs.copy(), material_of_triangle.copy()
@@ -92,21 +110,30 @@ def _textures_of(mesh: VoxelMesh, wanted: list[str], resolution: int, poll: Call
         channels: dict[str, Any] = {name: picture for name, picture in drawn.pictures.items() if name != COLOUR}
         if EMISSION in (same := materials[surface.colouring].channels):
             channels[EMISSION] = float(np.mean(same[EMISSION]))
-        materials.append(Material(picture=drawn.pictures.get(COLOUR), outside="extend", channels=channels))
+        hues = _hues_of(mesh.colourings[surface.colouring]) if has_own_hues else None
+        look: dict[str, Any] = {"picture": drawn.pictures.get(COLOUR)}
+        if hues is not None:
+            look = {"color": srgb_from_linear(hues.reshape(-1, 3).max(axis=0))}
+        materials.append(Material(**look, outside="extend", channels=channels))
     return Textures(materials=materials, corner_uvs=corner_uvs, material_of_triangle=material_of_triangle)
 
 
-def _material(colouring: Colouring, wanted: list[str], most: float) -> Material:
-    """``most``: what the brightest one emits."""
+def _material(colouring: Colouring, wanted: list[str], glow: Glow | None) -> Material:
+    hues = _hues_of(colouring) if glow is not None and glow.hue is None else None
     kept = {}
     for name, parts in colouring.channels.items():
         if name in wanted:
-            texels = np.clip(parts.texels[..., 0] / (most if name == EMISSION else 1.0), 0.0, 1.0)
+            texels: NDArray[np.floating[Any]] = parts.texels[..., 0]
+            if name == EMISSION and glow is not None:
+                hue = hues if hues is not None else np.array(glow.hue or (1.0, 1.0, 1.0))
+                texels = texels / np.maximum(luminance(hue)[..., 0] * glow.strength, 1e-9)
+            texels = np.clip(texels, 0.0, 1.0)
             kept[name] = texels if texels.size > 1 else float(texels[0, 0])
     look: dict[str, Any] = {}
     if COLOUR in wanted:
-        is_same = colouring.texels.shape[:2] == (1, 1)
-        look = {"color": srgb_from_linear(colouring.texels[0, 0])} if is_same else {"picture": colouring.texels}
+        colors = colouring.texels if hues is None else hues.astype(np.float32)
+        is_same = colors.shape[:2] == (1, 1)
+        look = {"color": srgb_from_linear(colors[0, 0])} if is_same else {"picture": colors}
     return Material(**look, outside=colouring.extension.name.lower(), channels=kept)
 
 
