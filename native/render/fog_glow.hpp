@@ -7,7 +7,7 @@
 // Differs:  from lamps' light shafts, which have no noise: rows of what shadows a lamp serve many rays, and an area of
 //           thousands of triangles has no few strata. Directions are drawn only where a pilot finds that worth its time: the
 //           light per metre and steradian has no singularity that triangles' draws would leave over.
-//           Media that glow, voxels, hair and points are met by directions alone.
+//           Media that glow, hair, points, and voxels in great numbers are met by directions alone.
 // Data flow: part of a view ray -> its pieces in media, once (media_line.hpp) -> per draw: triangle, distance, place, one
 //           shadow ray -> radiance, by light groups where these are kept apart.
 // Bound:    a draw takes 1 us in a fog box and its shadow ray, half as much again where directions are drawn, too; the error
