@@ -50,13 +50,13 @@ private:
 } // namespace
 
 std::optional<GlowingFaces> glowing_faces(const Scene& scene, std::span<const std::uint32_t> instances,
-                                          std::size_t most) {
+                                          std::size_t most, const Progress& progress) {
     const PlacedShape& placed = *scene.placed_shape(instances.front());
     const CellShape& cells = *scene.description().shapes[placed.shape_index]->cells();
     AskedLooks looks(scene, instances);
-    auto faces = cells.open_faces([&](const CellLook& look) { return looks.glows(look); }, most);
+    auto faces = cells.open_faces([&](const CellLook& look) { return looks.glows(look); }, most, progress);
     if (faces && looks.varies())
-        faces = cells.open_faces([](const CellLook&) { return true; }, most);
+        faces = cells.open_faces([](const CellLook&) { return true; }, most, progress);
     if (!faces)
         return std::nullopt;
     std::ranges::sort(*faces);

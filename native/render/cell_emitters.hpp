@@ -14,7 +14,7 @@ struct GlowingFaces {
     bool follow_looks = true;         ///< Each emits the same all over, to all sides, and for all rays.
 };
 /// `instances`: placed shapes, as a Hit has them, of one shape of cells with one material. Nothing where there are more
-/// faces than `most`.
+/// faces than `most`. Throws Cancelled.
 [[nodiscard]] std::optional<GlowingFaces> glowing_faces(const Scene& scene, std::span<const std::uint32_t> instances,
-                                                        std::size_t most);
+                                                        std::size_t most, const Progress& progress);
 } // namespace tyndall::render

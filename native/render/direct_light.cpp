@@ -19,8 +19,8 @@ namespace tyndall::render {
 using light_shafts::SurfaceShadows;
 
 DirectLight::DirectLight(const Scene& scene, const Media& media, Statistics& statistics, const IndirectConfig& indirect,
-                         KeptLightTrees* kept)
-    : scene_(scene), media_(media), emitters_(emitters_of(scene, kept)), has_media_(!media.is_empty()),
+                         KeptLightTrees* kept, const Progress& progress)
+    : scene_(scene), media_(media), emitters_(emitters_of(scene, kept, progress)), has_media_(!media.is_empty()),
       has_world_light_(!scene.world().is_black() && !scene.world().lights_surfaces().are_none()),
       world_reach_m_(indirect.reach_m()) {
     for (std::uint32_t index = 0; index < scene.lights().size(); ++index) {

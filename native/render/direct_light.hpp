@@ -36,9 +36,9 @@ public:
     static constexpr std::size_t most_points = lane_count;
 
     /// Reports to `statistics` what cannot light anything. Both references must outlive this. The world's
-    /// light is stopped within the reach of `indirect`.
+    /// light is stopped within the reach of `indirect`. Throws Cancelled.
     DirectLight(const Scene& scene, const Media& media, Statistics& statistics, const IndirectConfig& indirect = {},
-                KeptLightTrees* kept = nullptr);
+                KeptLightTrees* kept = nullptr, const Progress& progress = Progress{});
 
     /// For those lights that `is_asked`: what the edits of their occluders put before surfaces. Once per light; without
     /// it, at() and add_one() know nothing of such edits. Throws Cancelled.

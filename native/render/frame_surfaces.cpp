@@ -11,7 +11,7 @@ FrameSurfaces::FrameSurfaces(const Scene& scene, const Media& media, const Camer
                              const FrameConfig& config, Statistics& statistics, Progress& progress)
     : scene_(scene), media_(media), camera_(camera), region_(region), config_(config), statistics_(statistics),
       progress_(progress), filter_(config.pixel_filter, config.filter_width_px),
-      light_(scene, media, statistics, config.indirect, config.kept_light_trees.get()),
+      light_(scene, media, statistics, config.indirect, config.kept_light_trees.get(), progress),
       indirect_(scene, media, light_, config.indirect, config.passes.has(Pass::AmbientOcclusion)) {
     if (config.indirect.has_ambient_occlusion && !light_.has_world())
         statistics.skip("ambient occlusion", "the world is black");

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 namespace tyndall::render {
-std::shared_ptr<const MeshEmitters> KeptLightTrees::emitters_of(const Scene& scene) {
+std::shared_ptr<const MeshEmitters> KeptLightTrees::emitters_of(const Scene& scene, const Progress& progress) {
     if (emitters_ == nullptr || geometry_.lock() != scene.geometry()) {
-        emitters_ = std::make_shared<const MeshEmitters>(scene);
+        emitters_ = std::make_shared<const MeshEmitters>(scene, progress);
         geometry_ = scene.geometry();
     }
     return emitters_;
@@ -26,8 +26,8 @@ std::shared_ptr<const LightTree> KeptLightTrees::tree_of(std::vector<LightBounds
     return tree;
 }
 
-std::shared_ptr<const MeshEmitters> emitters_of(const Scene& scene, KeptLightTrees* kept) {
-    return kept != nullptr ? kept->emitters_of(scene) : std::make_shared<const MeshEmitters>(scene);
+std::shared_ptr<const MeshEmitters> emitters_of(const Scene& scene, KeptLightTrees* kept, const Progress& progress) {
+    return kept != nullptr ? kept->emitters_of(scene, progress) : std::make_shared<const MeshEmitters>(scene, progress);
 }
 
 std::shared_ptr<const LightTree> tree_of(std::vector<LightBounds>&& lights, KeptLightTrees* kept) {

@@ -16,7 +16,7 @@ class KeptLightTrees {
 public:
     explicit KeptLightTrees(std::size_t capacity_bytes) : capacity_bytes_(capacity_bytes) {}
 
-    [[nodiscard]] std::shared_ptr<const MeshEmitters> emitters_of(const Scene& scene);
+    [[nodiscard]] std::shared_ptr<const MeshEmitters> emitters_of(const Scene& scene, const Progress& progress);
     [[nodiscard]] std::shared_ptr<const LightTree> tree_of(std::vector<LightBounds>&& lights);
     [[nodiscard]] std::size_t bytes() const { return bytes_; } ///< Of trees and what they are told by.
 
@@ -33,6 +33,7 @@ private:
     std::shared_ptr<const MeshEmitters> emitters_; ///< Of that geometry.
 };
 /// Nothing is kept where there is no `kept`.
-[[nodiscard]] std::shared_ptr<const MeshEmitters> emitters_of(const Scene& scene, KeptLightTrees* kept);
+[[nodiscard]] std::shared_ptr<const MeshEmitters> emitters_of(const Scene& scene, KeptLightTrees* kept,
+                                                              const Progress& progress);
 [[nodiscard]] std::shared_ptr<const LightTree> tree_of(std::vector<LightBounds>&& lights, KeptLightTrees* kept);
 } // namespace tyndall::render

@@ -45,7 +45,7 @@ static float mean_radiance(const Scene& scene, const EmissiveTriangle& triangle,
     return sum / static_cast<float>(place_count);
 }
 
-MeshEmitters::MeshEmitters(const Scene& scene) {
+MeshEmitters::MeshEmitters(const Scene& scene, const Progress& progress) {
     const SceneDescription& description = scene.description();
     first_of_instance_.assign(description.instances.size(), LightTree::none);
     std::vector<std::uint8_t> glows(description.materials.size());
@@ -61,9 +61,9 @@ MeshEmitters::MeshEmitters(const Scene& scene) {
             (!instance.lights_surfaces().are_none() || instance.lights_media))
             add_mesh(scene, index, glows);
     }
-    add_shapes(scene, glows);
+    add_shapes(scene, glows, progress);
     find_boxes(description);
-    find_radiances(scene);
+    find_radiances(scene, progress);
 }
 
 void MeshEmitters::add_mesh(const Scene& scene, std::uint32_t index, std::span<const std::uint8_t> glows) {
@@ -106,7 +106,7 @@ void MeshEmitters::add_mesh(const Scene& scene, std::uint32_t index, std::span<c
             triangles_[triangle].back = 1.0f;
 }
 
-void MeshEmitters::add_shapes(const Scene& scene, std::span<const std::uint8_t> glows) {
+void MeshEmitters::add_shapes(const Scene& scene, std::span<const std::uint8_t> glows, const Progress& progress) {
     const SceneDescription& description = scene.description();
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> alike; // by shape and material
     for (std::uint32_t number = 0; number < description.placed_shapes.size(); ++number) {
@@ -120,7 +120,7 @@ void MeshEmitters::add_shapes(const Scene& scene, std::span<const std::uint8_t> 
         const std::size_t most = room / instances.size();
         std::optional<GlowingFaces> faces;
         if (description.shapes[of.first]->cells() != nullptr && most > 0)
-            faces = glowing_faces(scene, instances, most);
+            faces = glowing_faces(scene, instances, most, progress);
         if (!faces) {
             met_alone_.insert(met_alone_.end(), instances.begin(), instances.end());
             continue;
@@ -163,7 +163,7 @@ void MeshEmitters::add_faces(const Scene& scene, std::uint32_t instance,
     }
 }
 
-void MeshEmitters::find_radiances(const Scene& scene) {
+void MeshEmitters::find_radiances(const Scene& scene, const Progress& progress) {
     struct Sum {
         float radiance_m2 = 0.0f, area_m2 = 0.0f;
     };
@@ -173,7 +173,7 @@ void MeshEmitters::find_radiances(const Scene& scene) {
     };
     const auto place_count =
         static_cast<std::uint32_t>(std::clamp<std::size_t>(65536 / (triangles_.size() + 1), 2, 64));
-    parallel_for(triangles_.size(), Progress{}, [&](std::size_t index) {
+    parallel_for(triangles_.size(), progress, [&](std::size_t index) {
         EmissiveTriangle& triangle = triangles_[index];
         if (triangle.is_constant)
             triangle.emission = emission_at(scene, triangle, vec2(1.0f / 3.0f), true);

@@ -54,7 +54,8 @@ public:
     static constexpr std::size_t most_of_cells = std::size_t{1} << 17; ///< Triangles.
 
     MeshEmitters() = default;
-    explicit MeshEmitters(const Scene& scene);
+    /// Throws Cancelled.
+    explicit MeshEmitters(const Scene& scene, const Progress& progress = Progress{});
 
     [[nodiscard]] std::span<const EmissiveTriangle> triangles() const { return triangles_; }
     [[nodiscard]] static LightBounds bounds_of(const EmissiveTriangle& triangle);
@@ -80,9 +81,9 @@ public:
 private:
     [[nodiscard]] std::uint32_t index_of(const Hit& hit) const; ///< LightTree::none: of no triangle.
     void add_mesh(const Scene& scene, std::uint32_t instance, std::span<const std::uint8_t> glows);
-    void add_shapes(const Scene& scene, std::span<const std::uint8_t> glows);
+    void add_shapes(const Scene& scene, std::span<const std::uint8_t> glows, const Progress& progress);
     void add_faces(const Scene& scene, std::uint32_t instance, const std::shared_ptr<const GlowingFaces>& faces);
-    void find_radiances(const Scene& scene);
+    void find_radiances(const Scene& scene, const Progress& progress);
     void find_boxes(const SceneDescription& scene);
 
     std::vector<EmissiveTriangle> triangles_;

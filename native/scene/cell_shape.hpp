@@ -76,9 +76,10 @@ public:
     [[nodiscard]] virtual bool is_cube(std::uint64_t /*cell*/) const { return false; }
     [[nodiscard]] virtual CellLook look(std::uint64_t cell) const = 0;
     /// Faces that no other cell covers, as closest_hit() numbers them, of cells that look as wanted; nothing where there
-    /// are more than `most`, or they would have to be looked for among too many cells.
+    /// are more than `most`, or they would have to be looked for among too many cells. Throws Cancelled.
     [[nodiscard]] virtual std::optional<std::vector<std::uint64_t>>
-    open_faces(const std::function<bool(const CellLook&)>& is_wanted, std::size_t most) const = 0;
+    open_faces(const std::function<bool(const CellLook&)>& is_wanted, std::size_t most,
+               const Progress& progress) const = 0;
     /// Of what materials may read of cells, beside the colour; 4 at most.
     [[nodiscard]] virtual std::span<const std::string> channel_names() const = 0;
     /// Some cell has a normal of its own.

@@ -129,12 +129,13 @@ std::vector<bool> DagAttributes::materials_where(const std::function<bool(const 
 }
 
 std::optional<std::vector<std::uint64_t>> DagAttributes::entries_of(const std::vector<bool>& is_wanted,
-                                                                    std::size_t most) const {
+                                                                    std::size_t most, const Progress& progress) const {
     std::vector<std::uint64_t> entries;
     if (std::ranges::find(is_wanted, true) == is_wanted.end())
         return entries;
     std::vector<std::uint32_t> materials(std::size_t{1} << 16);
     for (std::uint64_t begin = 0; begin < voxels_->indices.size(); begin += materials.size()) {
+        progress.poll();
         const auto count =
             static_cast<std::size_t>(std::min<std::uint64_t>(materials.size(), voxels_->indices.size() - begin));
         voxels_->indices.decode(begin, std::span(materials).first(count));

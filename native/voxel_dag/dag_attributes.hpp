@@ -77,9 +77,9 @@ public:
 
     /// Per material of voxels, whether it is wanted.
     [[nodiscard]] std::vector<bool> materials_where(const std::function<bool(const VoxelSample&)>& is_wanted) const;
-    /// Entries of voxels of wanted materials, rising; nothing where there are more than `most`.
-    [[nodiscard]] std::optional<std::vector<std::uint64_t>> entries_of(const std::vector<bool>& is_wanted,
-                                                                       std::size_t most) const;
+    /// Entries of voxels of wanted materials, rising; nothing where there are more than `most`. Throws Cancelled.
+    [[nodiscard]] std::optional<std::vector<std::uint64_t>>
+    entries_of(const std::vector<bool>& is_wanted, std::size_t most, const Progress& progress) const;
 
 private:
     struct Materials {

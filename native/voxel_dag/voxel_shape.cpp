@@ -136,7 +136,8 @@ public:
         return sample ? look_of(*sample) : look;
     }
     [[nodiscard]] std::optional<std::vector<std::uint64_t>>
-    open_faces(const std::function<bool(const CellLook&)>& is_wanted, std::size_t most) const override {
+    open_faces(const std::function<bool(const CellLook&)>& is_wanted, std::size_t most,
+               const Progress& progress) const override {
         std::vector<bool> wanted{true};
         if (placed_->attributes != nullptr)
             wanted = placed_->attributes->materials_where(
@@ -145,7 +146,7 @@ public:
             wanted[0] = is_wanted(CellLook{});
         const std::lock_guard lock(finding_faces_);
         if (faces_.most != most || faces_.wanted != wanted)
-            faces_ = {wanted, most, find_open_faces(wanted, most)};
+            faces_ = {wanted, most, find_open_faces(wanted, most, progress)};
         return faces_.found;
     }
     [[nodiscard]] std::span<const std::string> channel_names() const override {
@@ -192,12 +193,13 @@ private:
         return look;
     }
     /// `wanted`: by materials of attributes; without these one for all. In any order.
-    [[nodiscard]] std::optional<std::vector<Voxel>> voxels_of(const std::vector<bool>& wanted, std::size_t most) const {
+    [[nodiscard]] std::optional<std::vector<Voxel>> voxels_of(const std::vector<bool>& wanted, std::size_t most,
+                                                              const Progress& progress) const {
         const PackedDag& dag = placed_->dag;
         if (placed_->attributes != nullptr) {
             if (dag.voxel_count > most_searched)
                 return std::nullopt;
-            const auto entries = placed_->attributes->entries_of(wanted, most);
+            const auto entries = placed_->attributes->entries_of(wanted, most, progress);
             if (!entries)
                 return std::nullopt;
             return voxels_of_entries(dag, placed_->attributes->parts().order, *entries);
@@ -213,12 +215,12 @@ private:
                     voxels.push_back(
                         voxel_at(part.codes[brick] << 6 | static_cast<std::uint64_t>(std::countr_zero(left))));
         };
-        decode(dag, most, take, Progress{});
+        decode(dag, most, take, progress);
         return voxels;
     }
-    [[nodiscard]] std::optional<std::vector<std::uint64_t>> find_open_faces(const std::vector<bool>& wanted,
-                                                                            std::size_t most) const {
-        const std::optional<std::vector<Voxel>> voxels = voxels_of(wanted, most);
+    [[nodiscard]] std::optional<std::vector<std::uint64_t>>
+    find_open_faces(const std::vector<bool>& wanted, std::size_t most, const Progress& progress) const {
+        const std::optional<std::vector<Voxel>> voxels = voxels_of(wanted, most, progress);
         if (!voxels)
             return std::nullopt;
         std::vector<std::uint64_t> faces;

@@ -46,7 +46,8 @@ public:
     [[nodiscard]] Bounds3 box(std::uint64_t cell) const override { return box(cells_[cell / 8]); }
     [[nodiscard]] CellLook look(std::uint64_t) const override { return {.normal = normal_}; }
     [[nodiscard]] std::optional<std::vector<std::uint64_t>>
-    open_faces(const std::function<bool(const CellLook&)>& is_wanted, std::size_t most) const override {
+    open_faces(const std::function<bool(const CellLook&)>& is_wanted, std::size_t most,
+               const Progress& /*progress*/) const override {
         std::vector<std::uint64_t> faces;
         for (std::uint64_t face = 0; face < 6 * cells_.size(); ++face) {
             const std::uint64_t number = face / 6 * 8 + face % 6;

@@ -55,14 +55,14 @@ std::vector<float> picture(const Scene& scene, const std::shared_ptr<KeptLightTr
 TEST_CASE("a tree of lights is kept while none of its lights changes, whatever else of the scene does") {
     KeptLightTrees kept(plenty);
     const auto scene = room();
-    const auto emitters = kept.emitters_of(*scene);
+    const auto emitters = kept.emitters_of(*scene, Progress());
     const auto tree = kept.tree_of(bounds_of(*scene));
     CHECK(emitters->triangles().size() == 12);
-    CHECK(kept.emitters_of(*scene) == emitters);
+    CHECK(kept.emitters_of(*scene, Progress()) == emitters);
     CHECK(kept.tree_of(bounds_of(*scene)) == tree);
 
     const auto beside = moved(*scene, dark, {-3, 1, 1.5f});
-    CHECK(kept.emitters_of(*beside) != emitters); // instances may have come or gone
+    CHECK(kept.emitters_of(*beside, Progress()) != emitters); // instances may have come or gone
     CHECK(kept.tree_of(bounds_of(*beside)) == tree);
     CHECK(kept.tree_of(bounds_of(*moved(*scene, glowing, {2, 0, 3.001f}))) != tree);
     CHECK(kept.tree_of(bounds_of(*room(Rgb(5.01f)))) != tree);

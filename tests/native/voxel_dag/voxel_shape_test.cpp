@@ -138,15 +138,19 @@ TEST_CASE("open faces of wanted voxels are those that a ray from beside each mee
                     truth.push_back(hit.cell);
             }
         }
-        std::optional<std::vector<std::uint64_t>> faces = shape->open_faces(is_red, 6 * 4096);
+        std::optional<std::vector<std::uint64_t>> faces = shape->open_faces(is_red, 6 * 4096, progress);
         REQUIRE(faces);
         std::ranges::sort(*faces);
         std::ranges::sort(truth);
         CHECK(truth.size() > (has_colors ? 500 : 3000));
         CHECK(*faces == truth);
-        CHECK(shape->open_faces(is_red, truth.size()));
-        CHECK_FALSE(shape->open_faces(is_red, truth.size() - 1));
-        CHECK(shape->open_faces([](const CellLook&) { return false; }, 0)->empty());
+        CHECK(shape->open_faces(is_red, truth.size(), progress));
+        CHECK_FALSE(shape->open_faces(is_red, truth.size() - 1, progress));
+        Progress cancelled;
+        cancelled.cancel();
+        if (has_colors)
+            CHECK_THROWS_AS((void)shape->open_faces(is_red, 7, cancelled), Cancelled);
+        CHECK(shape->open_faces([](const CellLook&) { return false; }, 0, progress)->empty());
     }
 }
 
