@@ -32,18 +32,9 @@ def rows_of(
         level = (first.mean() + second.mean()) / 2
         noise = np.sqrt(((first - second) ** 2).mean(axis=2) / 2) / level
         rms, median = float(np.sqrt((noise**2).mean())), float(np.median(noise) / 0.6745)
-        rows.append(
-            row(
-                f"{name}, {engine}",
-                cpu_s,
-                samples=samples,
-                setup_cpu_s=of_setup_s,
-                mean=float(level),
-                rms_noise=rms,
-                median_noise=median,
-                rms_times_root_s=rms * cpu_s**0.5,
-                median_times_root_s=median * cpu_s**0.5,
-            )
-        )
+        figures = {"samples": samples, "setup_cpu_s": of_setup_s, "mean": float(level)}
+        for kind, value in (("rms", rms), ("median", median)):
+            figures |= {f"{kind}_noise": value, f"{kind}_times_root_s": value * cpu_s**0.5}
+        rows.append(row(f"{name}, {engine}", cpu_s, **figures))
         print(rows[-1], flush=True)
     return rows
