@@ -116,7 +116,7 @@ def _fog(size_m: float, height_m: float) -> None:
     output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
     link = output.inputs["Surface"].links[0]
     tree.links.new(link.from_socket, output.inputs["Volume"])
-    tree.links.remove(output.inputs["Surface"].links[0])
+    tree.links.remove(link)
     box.materials.append(material)
     add("Fog", box)
 

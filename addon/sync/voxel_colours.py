@@ -48,6 +48,9 @@ class Glow(NamedTuple):
     hue: tuple[float, float, float] | None
 
 
+DARK = Glow(0.0, (1.0, 1.0, 1.0))
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Colouring:
     """How a material looks on voxels."""

@@ -12,7 +12,7 @@ from tyndall.voxel_dag import Material, Textures
 
 from .materials import COLOUR
 from .varying_voxels import draw, texel_size_m
-from .voxel_colours import EMISSION, Glow, luminance
+from .voxel_colours import DARK, EMISSION, Glow, luminance
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -32,7 +32,7 @@ def glow_of(mesh: VoxelMesh, *, has_colors: bool) -> Glow:
     texels = np.concatenate([np.zeros((1, 3)), *glows])
     brightest = texels.max(axis=1)
     if not (strength := float(brightest.max())) > 0.0:
-        return Glow(0.0, (1.0, 1.0, 1.0))
+        return DARK
     shown = brightest > _DIM * strength
     hues = texels[shown] / brightest[shown, None]
     if not np.allclose(hues, hues[0], atol=0.02):
@@ -66,12 +66,12 @@ def surface_of(
     ``poll`` may raise to stop. Raises IoError of textures that lie in a file.
     """
     wanted = [*([COLOUR] if has_colors else []), *channels]
-    glow = glow_of(mesh, has_colors=has_colors) if EMISSION in wanted else None
+    glow = glow_of(mesh, has_colors=has_colors) if EMISSION in wanted else DARK
     fields: dict[str, Any] = {}
     if wanted:
         fields["textures"] = _textures_of(mesh, wanted, glow, resolution, poll)
     factors = {name: mesh.corner_factors[name] for name in wanted if name in mesh.corner_factors}
-    if COLOUR in factors and glow is not None and glow.hue is None:
+    if COLOUR in factors and glow.hue is None:
         glowing = np.array([colouring.glow.any() for colouring in mesh.colourings])
         factors[COLOUR] = np.where(glowing[mesh.colouring_of_triangle][:, None, None], 1.0, factors[COLOUR])
     if not (has_normals or factors):
@@ -85,12 +85,9 @@ def surface_of(
     return positions_m, triangles, fields
 
 
-def _textures_of(
-    mesh: VoxelMesh, wanted: list[str], glow: Glow | None, resolution: int, poll: Callable[[], None]
-) -> Textures:
+def _textures_of(mesh: VoxelMesh, wanted: list[str], glow: Glow, resolution: int, poll: Callable[[], None]) -> Textures:
     materials = [_material(colouring, wanted, glow) for colouring in mesh.colourings]
-    has_own_hues = glow is not None and glow.hue is None
-    if has_own_hues and any(one.glow.any() and one.texels.any() for one in mesh.colourings):
+    if glow.hue is None and any(one.glow.any() and one.texels.any() for one in mesh.colourings):
         mesh.reports.add("Emission", "voxels that glow in different colours have these alone, not their surfaces'")
     corner_uvs, material_of_triangle = mesh.corner_uvs, mesh.colouring_of_triangle
     if mesh.varying:
@@ -110,7 +107,7 @@ def _textures_of(
         channels: dict[str, Any] = {name: picture for name, picture in drawn.pictures.items() if name != COLOUR}
         if EMISSION in (same := materials[surface.colouring].channels):
             channels[EMISSION] = float(np.mean(same[EMISSION]))
-        hues = _hues_of(mesh.colourings[surface.colouring]) if has_own_hues else None
+        hues = _hues_of(mesh.colourings[surface.colouring]) if glow.hue is None else None
         look: dict[str, Any] = {"picture": drawn.pictures.get(COLOUR)}
         if hues is not None:
             look = {"color": srgb_from_linear(hues.reshape(-1, 3).max(axis=0))}
@@ -118,13 +115,13 @@ def _textures_of(
     return Textures(materials=materials, corner_uvs=corner_uvs, material_of_triangle=material_of_triangle)
 
 
-def _material(colouring: Colouring, wanted: list[str], glow: Glow | None) -> Material:
-    hues = _hues_of(colouring) if glow is not None and glow.hue is None else None
+def _material(colouring: Colouring, wanted: list[str], glow: Glow) -> Material:
+    hues = _hues_of(colouring) if glow.hue is None else None
     kept = {}
     for name, parts in colouring.channels.items():
         if name in wanted:
             texels: NDArray[np.floating[Any]] = parts.texels[..., 0]
-            if name == EMISSION and glow is not None:
+            if name == EMISSION:
                 hue = hues if hues is not None else np.array(glow.hue or (1.0, 1.0, 1.0))
                 texels = texels / np.maximum(luminance(hue)[..., 0] * glow.strength, 1e-9)
             texels = np.clip(texels, 0.0, 1.0)

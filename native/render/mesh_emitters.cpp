@@ -45,6 +45,9 @@ static float mean_radiance(const Scene& scene, const EmissiveTriangle& triangle,
     return sum / static_cast<float>(place_count);
 }
 
+/// Of an instance or a placed shape.
+static bool lights_anything(const auto& placed) { return !placed.lights_surfaces().are_none() || placed.lights_media; }
+
 MeshEmitters::MeshEmitters(const Scene& scene, const Progress& progress) {
     const SceneDescription& description = scene.description();
     first_of_instance_.assign(description.instances.size(), LightTree::none);
@@ -58,7 +61,7 @@ MeshEmitters::MeshEmitters(const Scene& scene, const Progress& progress) {
         const auto slots =
             std::span(description.slot_materials).subspan(instance.first_slot_material, instance.slot_count);
         if (std::ranges::any_of(slots, [&](std::uint32_t material) { return glows[material] != 0; }) &&
-            (!instance.lights_surfaces().are_none() || instance.lights_media))
+            lights_anything(instance))
             add_mesh(scene, index, glows);
     }
     add_shapes(scene, glows, progress);
@@ -111,7 +114,7 @@ void MeshEmitters::add_shapes(const Scene& scene, std::span<const std::uint8_t> 
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> alike; // by shape and material
     for (std::uint32_t number = 0; number < description.placed_shapes.size(); ++number) {
         const PlacedShape& placed = description.placed_shapes[number];
-        if (glows[placed.material_index] != 0 && (!placed.lights_surfaces().are_none() || placed.lights_media))
+        if (glows[placed.material_index] != 0 && lights_anything(placed))
             alike[{placed.shape_index, placed.material_index}].push_back(
                 static_cast<std::uint32_t>(description.instances.size()) + number);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxel_dag/voxel_shape.hpp"
 #include "image/srgb.hpp"
-#include "voxel_dag/decode.hpp"
+#include "voxel_dag/coarse_voxels.hpp"
 #include "voxel_dag/node_shares.hpp"
 #include "voxel_dag/tracer.hpp"
 #include "voxel_dag/tree_nodes.hpp"
@@ -138,12 +138,10 @@ public:
     [[nodiscard]] std::optional<std::vector<std::uint64_t>>
     open_faces(const std::function<bool(const CellLook&)>& is_wanted, std::size_t most,
                const Progress& progress) const override {
-        std::vector<bool> wanted{true};
-        if (placed_->attributes != nullptr)
-            wanted = placed_->attributes->materials_where(
-                [&](const VoxelSample& sample) { return is_wanted(look_of(sample)); });
-        else
-            wanted[0] = is_wanted(CellLook{});
+        const auto is_sample_wanted = [&](const VoxelSample& sample) { return is_wanted(look_of(sample)); };
+        const std::vector<bool> wanted = placed_->attributes != nullptr
+                                             ? placed_->attributes->materials_where(is_sample_wanted)
+                                             : std::vector<bool>{is_wanted(CellLook{})};
         const std::lock_guard lock(finding_faces_);
         if (faces_.most != most || faces_.wanted != wanted)
             faces_ = {wanted, most, find_open_faces(wanted, most, progress)};
@@ -193,8 +191,8 @@ private:
         return look;
     }
     /// `wanted`: by materials of attributes; without these one for all. In any order.
-    [[nodiscard]] std::optional<std::vector<Voxel>> voxels_of(const std::vector<bool>& wanted, std::size_t most,
-                                                              const Progress& progress) const {
+    [[nodiscard]] std::optional<std::vector<Voxel>> wanted_voxels(const std::vector<bool>& wanted, std::size_t most,
+                                                                  const Progress& progress) const {
         const PackedDag& dag = placed_->dag;
         if (placed_->attributes != nullptr) {
             if (dag.voxel_count > most_searched)
@@ -204,23 +202,15 @@ private:
                 return std::nullopt;
             return voxels_of_entries(dag, placed_->attributes->parts().order, *entries);
         }
-        std::vector<Voxel> voxels;
         if (dag.is_empty() || !wanted[0])
-            return voxels;
+            return std::vector<Voxel>();
         if (dag.voxel_count > most)
             return std::nullopt;
-        const auto take = [&](const LeafMasks& part) {
-            for (std::size_t brick = 0; brick < part.codes.size(); ++brick)
-                for (std::uint64_t left = part.masks[brick]; left != 0; left &= left - 1)
-                    voxels.push_back(
-                        voxel_at(part.codes[brick] << 6 | static_cast<std::uint64_t>(std::countr_zero(left))));
-        };
-        decode(dag, most, take, progress);
-        return voxels;
+        return voxels_of(coarse_voxels(dag, 0, ~std::uint64_t{0}, progress));
     }
     [[nodiscard]] std::optional<std::vector<std::uint64_t>>
     find_open_faces(const std::vector<bool>& wanted, std::size_t most, const Progress& progress) const {
-        const std::optional<std::vector<Voxel>> voxels = voxels_of(wanted, most, progress);
+        const std::optional<std::vector<Voxel>> voxels = wanted_voxels(wanted, most, progress);
         if (!voxels)
             return std::nullopt;
         std::vector<std::uint64_t> faces;

@@ -2,6 +2,7 @@
 #include "voxel_dag/voxels_of_entries.hpp"
 #include "voxel_dag/cube_group.hpp"
 #include <algorithm>
+#include <array>
 #include <bit>
 
 namespace tyndall::voxel_dag {
@@ -19,16 +20,21 @@ public:
             return;
         }
         const PackedHeader header = packed_header(dag_, level, place.node);
-        // From the last child on: those behind it have taken theirs.
-        for (std::uint32_t left = header.child_mask; left != 0 && !entries.empty();) {
-            const auto octant = static_cast<std::uint32_t>(std::bit_width(left)) - 1;
-            left &= ~(1u << octant);
-            const StoredPlace child = stored_child(dag_, order_, level, place, header, octant);
-            const auto begin =
-                static_cast<std::size_t>(std::ranges::lower_bound(entries, child.first_entry) - entries.begin());
-            if (begin < entries.size())
-                visit(level - 1, child, code << 3 | cube_group.octant[place.node.turn][octant], entries.subspan(begin));
-            entries = entries.first(begin);
+        std::array<StoredPlace, 8> children;
+        std::array<std::uint64_t, 8> codes{};
+        std::size_t count = 0;
+        for (std::uint32_t left = header.child_mask; left != 0; left &= left - 1, ++count) {
+            const auto octant = static_cast<std::uint32_t>(std::countr_zero(left));
+            children[count] = stored_child(dag_, order_, level, place, header, octant);
+            codes[count] = code << 3 | cube_group.octant[place.node.turn][octant];
+        }
+        for (std::size_t child = 0; child < count && !entries.empty(); ++child) {
+            const auto end =
+                child + 1 < count ? std::ranges::lower_bound(entries, children[child + 1].first_entry) : entries.end();
+            const auto own_count = static_cast<std::size_t>(end - entries.begin());
+            if (own_count > 0)
+                visit(level - 1, children[child], codes[child], entries.first(own_count));
+            entries = entries.subspan(own_count);
         }
     }
 
@@ -36,7 +42,6 @@ private:
     void visit_leaf(const StoredPlace& place, std::uint64_t code, std::span<const std::uint64_t> entries) {
         std::uint64_t mask = pair_mask(dag_, static_cast<std::uint32_t>(place.node.bit));
         std::uint64_t entry = place.first_entry;
-        const std::size_t first = found_.size();
         for (; mask != 0 && !entries.empty(); mask &= mask - 1, ++entry) {
             if (entries.front() != entry)
                 continue;
@@ -44,12 +49,11 @@ private:
             const auto at = static_cast<std::uint32_t>(std::countr_zero(mask));
             found_.push_back(voxel_at(code << 3 * leaf_level | turned_voxel(place.node.turn, at)));
         }
-        std::reverse(found_.begin() + static_cast<std::ptrdiff_t>(first), found_.end());
     }
 
     const PackedDag& dag_;
     const StoredOrder& order_;
-    std::vector<Voxel>& found_; ///< The last first.
+    std::vector<Voxel>& found_;
 };
 } // namespace
 
@@ -61,7 +65,6 @@ std::vector<Voxel> voxels_of_entries(const PackedDag& dag, const StoredOrder& or
     found.reserve(entries.size());
     if (!entries.empty())
         Finding(dag, order, found).visit(dag.level, stored_root(dag, order), 0, entries);
-    std::ranges::reverse(found);
     return found;
 }
 } // namespace tyndall::voxel_dag

@@ -75,6 +75,7 @@ class Exports:
 
         Raises InvalidInput where a triangle is of no cube, and Cancelled.
         """
+        progress = progress or Progress()
         names: list[str] = self._native.channels
         squares = mesh.triangles.reshape(-1, 2, 3)
         channels = {name: np.empty(len(squares), np.uint8) for name in names}
@@ -88,7 +89,7 @@ class Exports:
             within = 0.5 * (halves.min(axis=1) + halves.max(axis=1) - outwards)
             cubes = np.floor(within).astype(np.uint32) << coarser
             for name in names:
-                channels[name][part] = self._native.channel_at(name, cubes, coarser, progress or Progress())
+                channels[name][part] = self._native.channel_at(name, cubes, coarser, progress)
         return {name: np.repeat(values, 2) for name, values in channels.items()}
 
     def to_vdb(
