@@ -17,6 +17,7 @@
 #include "render/kept_light_trees.hpp"
 #include "render/media_line.hpp"
 #include "render/phase_directions.hpp"
+#include "render/shadow_ray_counts.hpp"
 
 namespace tyndall::render {
 /// All of its pieces, which it has.
@@ -26,7 +27,7 @@ namespace tyndall::render {
 
 class FogGlow {
 public:
-    /// Draws of a part at most: they then take about as long as a camera ray with all that follows from it.
+    /// Draws of a part at most, in each sample: twice as many save little more of the noise in a fixed time.
     static constexpr std::uint32_t most_draws = 4;
     /// The references must outlive this. Reports what is not followed.
     FogGlow(const Scene& scene, const Media& media, const MeshEmitters& emitters, bool attenuates_light,
@@ -53,22 +54,23 @@ public:
     /// The pieces of a part.
     void assign(MediaLine& line, const light_shafts::ViewRay& part) const { line.assign(media_, part, StepLimits{}); }
 
-    struct Wanted {
-        float error_target = 0.002f; ///< As light_shafts::Config's.
-        std::uint32_t pixel_samples = 1;
-        bool is_coarse = false; ///< Soon, and no better than that: one draw, and no pilot.
-    };
-    /// Before draws: how many of them a part is worth, and whether directions are drawn in fog without a peak, too, found by
-    /// some of the parts. Throws Cancelled.
-    void prepare(std::span<const light_shafts::ViewRay> parts, const Wanted& wanted, const Progress& progress);
-    /// Of a part in each sample: a power of two up to most_draws.
+    /// Before draws: how many of them a part is worth beside all else that its pixel's noise comes from, and whether
+    /// directions are drawn in fog without a peak, too. One draw in each sample where there was no pilot, and before this is
+    /// called. Throws Cancelled.
+    void prepare(const PilotSamples& pilot, const Progress& progress);
+    /// Of a part in each sample that has some: a power of two up to most_draws.
     [[nodiscard]] std::uint32_t draw_count() const { return draw_count_; }
+    /// Every so many-th sample of a pixel has draws, which count for as many; a power of two.
+    [[nodiscard]] std::uint32_t turn() const { return turn_; }
     [[nodiscard]] bool draws_directions() const { return draws_directions_; }
 
 private:
-    struct Noise;
-    /// Of one draw.
-    [[nodiscard]] Noise noise_of(std::span<const light_shafts::ViewRay> parts, const Progress& progress) const;
+    struct PilotLight {
+        double mean = 0.0, variance = 0.0; ///< Of one draw.
+    };
+    /// Of each pixel of a pilot.
+    [[nodiscard]] std::vector<PilotLight> pilot_lights(std::span<const PilotPixel> pixels,
+                                                       const Progress& progress) const;
     void draw_triangle(const MediaLine& line, const Numbers& numbers, const PhaseDirections* directions,
                        std::vector<Found>& found) const;
     void draw_direction(const MediaLine& line, const Numbers& numbers, const PhaseDirections& directions,
@@ -102,6 +104,6 @@ private:
     std::shared_ptr<const LightTree> tree_; ///< Of those of its triangles that light media; none: nothing does.
     bool has_met_alone_ = false;            ///< What lights media, and is met by directions alone.
     bool attenuates_light_, has_glowing_media_ = false, draws_directions_ = false;
-    std::uint32_t draw_count_ = 1;
+    std::uint32_t draw_count_ = 1, turn_ = 1;
 };
 } // namespace tyndall::render

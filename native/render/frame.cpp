@@ -223,6 +223,7 @@ private:
                                    .seed = config_.seed,
                                    .taken_samples = config_.taken_samples(),
                                    .emitters = &surfaces_.emitters(),
+                                   .pilot = &surfaces_.pilot(),
                                    .kept_light_trees = config_.kept_light_trees.get(),
                                    .may_draw = !style_};
         config.shafts.keeps_groups_apart = groups_.has_value();

@@ -80,9 +80,9 @@ FrameShafts::FrameShafts(const Scene& scene, const Media& media, const Camera& c
     if (!glow_)
         return;
     const StageTimer timer(statistics, "glow in fog: pilot");
-    glow_->prepare(rays_to_prepare(waiting, config.of_frame, nullptr),
-                   {config.shafts.error_target, config.pixel_samples, config.shafts.walks_maps}, progress);
-    statistics.count("glow in fog: draws per ray", glow_->draw_count());
+    if (config.pilot != nullptr && !config.shafts.walks_maps)
+        glow_->prepare(*config.pilot, progress);
+    statistics.count("glow in fog: draws per ray", static_cast<double>(glow_->draw_count()) / glow_->turn());
     statistics.count("glow in fog: draws directions", glow_->draws_directions() ? 1.0 : 0.0);
     add_slots_of(glow_->light_groups());
 }
@@ -193,25 +193,32 @@ void FrameShafts::add_draws(const Band& band, const Progress& progress) {
 
 void FrameShafts::add_draws_of(std::size_t part, std::uint32_t number, std::uint32_t seed) {
     constexpr std::uint32_t of_camera_rays = 0x6169'7221; // a seed apart from that of rays that are sent on
+    constexpr std::uint32_t of_turns = 0x7475'726e;
     thread_local MediaLine line;
     thread_local std::vector<FogGlow::Found> found;
-    const auto draw = [&](std::uint32_t draws, const auto& draw_once) {
+    // Pixels have their turns at different samples, so that no sample is darker than others.
+    const auto draw = [&](std::uint32_t draws, std::uint32_t turn, const auto& draw_once) {
+        if ((sample_index_ + hash(seed, of_turns)) % turn != 0)
+            return;
         for (std::uint32_t index = 0; index < draws; ++index) {
             found.clear();
-            draw_once(sample_index_ * draws + index);
+            draw_once(sample_index_ / turn * draws + index);
             for (const auto& [radiance, group] : found)
-                of_slot_[slot_of(group)][0].radiance[part] += radiance / static_cast<float>(draws);
+                of_slot_[slot_of(group)][0].radiance[part] +=
+                    radiance * (static_cast<float>(turn) / static_cast<float>(draws));
         }
     };
     line.assign(media_, waiting_.rays[part], StepLimits{});
     if (line.is_empty())
         return;
     if (drawn_)
-        draw(shaft_draws(config_.shafts, config_.pixel_samples), [&](std::uint32_t index) {
+        draw(shaft_draws(config_.shafts, config_.pixel_samples), 1, [&](std::uint32_t index) {
             drawn_->draw(line, {hash(seed, number, of_camera_rays), index, number}, found);
         });
     if (glow_)
-        draw(glow_->draw_count(), [&](std::uint32_t index) { glow_->draw(line, {seed, index, number}, found); });
+        draw(glow_->draw_count(), glow_->turn(), [&](std::uint32_t index) {
+            glow_->draw(line, {seed, index, number}, found);
+        });
 }
 
 void FrameShafts::find_heterogeneity(const Band& band, const Progress& progress) {

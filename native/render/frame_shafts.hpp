@@ -35,6 +35,7 @@ public:
         std::uint32_t pixel_samples = 1, seed = 0; ///< As FrameConfig's.
         std::uint32_t taken_samples = 1;           ///< Of these.
         const MeshEmitters* emitters = nullptr;    ///< What glows; must outlive this. None: nothing does.
+        const PilotSamples* pilot = nullptr;       ///< What samples are like, if it glows.
         KeptLightTrees* kept_light_trees = nullptr;
         bool may_draw = false; ///< See drawn_shafts.hpp; needs emitters.
     };

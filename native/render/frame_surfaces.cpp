@@ -104,14 +104,17 @@ void FrameSurfaces::set_shadow_rays() {
         if (kept == nullptr)
             light_.prepare_edits(std::vector<std::uint8_t>(light_.light_count(), 1), camera_, config_.shafts,
                                  statistics_, progress_);
-        counts = kept != nullptr ? *kept
-                                 : count_shadow_rays(scene_, media_, light_, bounce, camera_, filter_,
-                                                     {.may_share_world = may_share,
-                                                      .voxel_detail_px = view_path().config().voxel_detail_px,
-                                                      .longest_turn = longest_turn(config_),
-                                                      .pixel_samples = config_.pixel_samples,
-                                                      .seed = config_.seed},
-                                                     config_.shafts, progress_);
+        counts =
+            kept != nullptr
+                ? *kept
+                : count_shadow_rays(scene_, media_, light_, bounce, camera_, filter_,
+                                    {.may_share_world = may_share,
+                                     .voxel_detail_px = view_path().config().voxel_detail_px,
+                                     .longest_turn = longest_turn(config_),
+                                     .pixel_samples = config_.pixel_samples,
+                                     .seed = config_.seed,
+                                     .has_fog_glow = !media_.is_empty() && (!emitters().is_empty() || media_.emits())},
+                                    config_.shafts, progress_);
         if (config_.kept_surfaces && kept == nullptr)
             config_.kept_surfaces->keep_counts(std::move(key), counts);
     }
@@ -123,6 +126,7 @@ void FrameSurfaces::set_shadow_rays() {
         turn_samples_ = *std::ranges::max_element(counts.turn_of_light);
     if (counts.is_world_shared)
         world_reach_px_ = shared_reach_px(std::uint64_t{counts.of_light.back()} * config_.pixel_samples);
+    pilot_ = std::move(counts.pilot);
     light_.set_ray_counts(std::move(counts.of_light));
     light_.set_turns(std::move(counts.turn_of_light));
     indirect_.set_bounce_rays(bounce != nullptr ? counts.of_bounce : std::max(config_.indirect.bounce_samples, 1u));

@@ -20,6 +20,8 @@ public:
 
     /// What glows.
     [[nodiscard]] const MeshEmitters& emitters() const { return light_.emitters(); }
+    /// What samples are like; no pixel where shadow rays do not adapt, and where there was nothing to choose.
+    [[nodiscard]] const PilotSamples& pilot() const { return pilot_; }
     /// Samples after which each light has been asked as often as it is worth.
     [[nodiscard]] std::uint32_t turn_samples() const { return turn_samples_; }
 
@@ -71,6 +73,7 @@ private:
     bool has_lobes_ = false;
     std::uint32_t world_reach_px_ = 0;
     std::uint32_t turn_samples_ = 1;
+    PilotSamples pilot_;
     bool has_detail_ = false; ///< Cubes of voxels are met.
 
     std::uint32_t sample_index_ = 0; ///< Of the pass at work, as is all that follows.

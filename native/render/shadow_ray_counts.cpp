@@ -25,8 +25,6 @@ static constexpr double many_ray_cost = 2.7;
 /// Of the noise in a fixed time, that twice the rays of a light save where no fog takes its time, too, of few samples; of
 /// more, in proportion less.
 static constexpr double least_saving_on_surfaces = 0.15;
-/// Noise counts relative to its pixel, but for pixels darker than this share of the frame's mean.
-static constexpr double darkest_share = 0.05;
 
 namespace {
 /// Pixels of a square of the pilot: neighbours, which trace faster together.
@@ -44,6 +42,7 @@ struct OfPixel {
     std::vector<double> camera_variances; ///< Of a camera ray, by each light alone.
     double neighbour_count = 1.0;         ///< Pixels of its square that lie in its plane, itself included.
     double fog = 0.0;                     ///< Brightness of opaque fog here.
+    light_shafts::ViewRay part{};         ///< Of its last ray.
     bool is_beside = false;               ///< Of what the camera shows: it tells nothing.
 
     [[nodiscard]] double mean() const {
@@ -120,6 +119,7 @@ private:
     /// Without any light: what glows, and the fog's opacity in front of it, of each pixel in each camera ray.
     struct Seen {
         std::array<std::array<float, camera_rays>, pixels_per_square> emitted{}, opacity{};
+        std::array<light_shafts::ViewRay, pixels_per_square> parts{};
         std::array<bool, pixels_per_square> is_beside{};
     };
 
@@ -170,6 +170,7 @@ private:
             const Ray inside = seen_part(media_, rays[pixel], hit);
             const Rgb passing = media_.is_empty() ? Rgb(1.0f) : media_.transmittance(inside);
             seen.opacity[pixel][camera_ray] = 1.0f - average(passing);
+            seen.parts[pixel] = {inside.origin, inside.direction, inside.near_m, inside.far_m};
             if (!hit.is_hit()) {
                 seen.emitted[pixel][camera_ray] = average(passing * scene_.world().seen_radiance(inside.direction));
                 continue;
@@ -222,6 +223,7 @@ private:
     static OfPixel of_pixel(std::size_t pixel, std::span<const Lit> lights, const Seen& seen) {
         OfPixel found{.light_variances = std::vector<double>(lights.size()),
                       .camera_variances = std::vector<double>(lights.size()),
+                      .part = seen.parts[pixel],
                       .is_beside = seen.is_beside[pixel]};
         for (std::size_t light = 0; light < lights.size(); ++light) {
             const auto& of_light = lights[light].of_pixel[pixel];
@@ -310,7 +312,7 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
                                   const ShadowRayConfig& config, const light_shafts::Config& shafts,
                                   Progress& progress) {
     const std::size_t light_count = light.light_count();
-    bool has_choice = bounce != nullptr || (config.longest_turn > 1 && light_count > 1);
+    bool has_choice = bounce != nullptr || config.has_fog_glow || (config.longest_turn > 1 && light_count > 1);
     for (std::size_t index = 0; index < light_count; ++index)
         has_choice = has_choice || light.has_strata(index);
     if (!has_choice)
@@ -336,7 +338,12 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
     }
     const RayCosts costs = costs_where(plane_share, light, bounce != nullptr, !media.is_empty(), config.pixel_samples);
     const auto scale_of = [&](const OfPixel& pixel) { return pixel.mean() + darkest_share * frame_mean; };
-    std::erase_if(pixels, [&](const OfPixel& pixel) { return !(scale_of(pixel) > 0.0); });
+    const auto dark =
+        std::ranges::stable_partition(pixels, [&](const OfPixel& pixel) { return scale_of(pixel) > 0.0; });
+    PilotSamples samples{.pixels = {}, .longest_turn = config.longest_turn};
+    for (const OfPixel& pixel : dark)
+        samples.pixels.push_back({pixel.part});
+    pixels.erase(dark.begin(), dark.end());
     std::vector<PixelVariances> variances;
     for (OfPixel& pixel : pixels) {
         const double scale = scale_of(pixel);
@@ -354,6 +361,7 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
             variances[pixel].of_light[world] /= pixels[pixel].neighbour_count;
         counts.of_light = best_ray_counts(variances, costs);
     }
+    std::vector<double> rays_of_sample(counts.of_light.begin(), counts.of_light.end());
     if (bounce != nullptr) {
         counts.of_bounce = counts.of_light.back();
         counts.of_light.pop_back();
@@ -361,6 +369,18 @@ ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const 
     counts.turn_of_light = best_turns(variances, costs, counts.of_light, config.longest_turn);
     if (counts.is_world_shared) // neighbours look for what each pixel found
         counts.turn_of_light[world] = 1;
+    for (std::size_t index = 0; index < light_count; ++index)
+        rays_of_sample[index] /= counts.turn_of_light[index];
+    samples.cost =
+        std::inner_product(rays_of_sample.begin(), rays_of_sample.end(), costs.of_light.begin(), costs.of_camera);
+    for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel) {
+        double variance = variances[pixel].of_camera;
+        for (std::size_t index = 0; index < rays_of_sample.size(); ++index)
+            variance += variances[pixel].of_light[index] / rays_of_sample[index];
+        const double scale = scale_of(pixels[pixel]);
+        samples.pixels.push_back({pixels[pixel].part, pixels[pixel].mean(), variance * scale * scale});
+    }
+    counts.pilot = std::move(samples);
     return counts;
 }
 } // namespace tyndall::render

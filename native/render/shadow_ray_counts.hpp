@@ -17,6 +17,17 @@
 #include "render/shared_irradiance.hpp"
 
 namespace tyndall::render {
+/// What the pilot found of a pixel, for what else its samples may be spent on.
+struct PilotPixel {
+    light_shafts::ViewRay part{}; ///< Of a ray up to its first surface, in or beside media.
+    double brightness = 0.0;      ///< Without the light of meshes and media that glow in fog.
+    double variance = 0.0;        ///< Of one sample.
+};
+struct PilotSamples {
+    std::vector<PilotPixel> pixels; ///< None: there was no pilot.
+    double cost = 0.0;              ///< Of one sample, in rays to the world.
+    std::uint32_t longest_turn = 1; ///< See ShadowRayConfig.
+};
 struct ShadowRayCounts {
     std::vector<std::uint32_t> of_light; ///< Per light of DirectLight::light_count: a power of two up to 16.
     /// Per light: asked at every so many-th sample, for as many; a power of two.
@@ -24,9 +35,12 @@ struct ShadowRayCounts {
     /// Alone, a pixel would need several rays of the world; with what its neighbours find, it needs as many as are here.
     bool is_world_shared = false;
     std::uint32_t of_bounce = 1; ///< Rays that gather the light of other surfaces.
+    PilotSamples pilot = {};
 };
 /// Who asks for no more samples of a pixel wants them soon.
 inline constexpr std::uint32_t few_samples = 16;
+/// Noise counts relative to its pixel, but for pixels darker than this share of the frame's mean.
+inline constexpr double darkest_share = 0.05;
 
 struct ShadowRayConfig {
     bool may_share_world = false;   ///< Neighbours in one plane may share its light, see shared_irradiance.hpp.
@@ -34,6 +48,7 @@ struct ShadowRayConfig {
     std::uint32_t longest_turn = 1; ///< Samples after which each light must have been asked; 1: at each.
     std::uint32_t pixel_samples = few_samples; ///< That are asked for.
     std::uint32_t seed = 0;
+    bool has_fog_glow = false; ///< Which samples may be spent on, too: there is always a pilot.
 };
 /// `bounce`: nothing, or what gathers the light of other surfaces, which counts as one more light. Throws Cancelled.
 [[nodiscard]] ShadowRayCounts count_shadow_rays(const Scene& scene, const Media& media, const DirectLight& light,
