@@ -219,6 +219,32 @@ TEST_CASE("emitters light the media of objects that their links name, and only i
     CHECK(emitters.triangles().size() == 2); // they light surfaces
 }
 
+// Seen to fail where only the noise of what glows counts.
+TEST_CASE("what glows in fog is drawn as often as it is worth beside the other noise of its pixels") {
+    const auto scene =
+        make_scene({floor_at({0.3f, 0, 0.5f}, 0.1f, diffuse(Rgb(0.0f), Rgb(10.0f))), box_of(0, {0, 0, 0}, {2, 2, 2})},
+                   {fog_of(Rgb(0.3f))});
+    const Media media(*scene, Progress());
+    const MeshEmitters emitters(*scene);
+    Statistics statistics;
+    FogGlow glow(*scene, media, emitters, true, statistics);
+    const double light = mean_of(*scene, along_x).value.x;
+    const auto draws_beside = [&](double brightness, double noise, double cost, std::uint32_t longest_turn) {
+        const render::PilotPixel pixel{along_x, brightness * light, noise * noise * light * light};
+        glow.prepare({std::vector(64, pixel), cost, longest_turn}, Progress());
+        return static_cast<double>(glow.draw_count()) / glow.turn();
+    };
+    CHECK(glow.draw_count() == 1);
+    CHECK(draws_beside(0.0, 0.0, 20.0, 4) == FogGlow::most_draws); // nothing else is there
+    CHECK(draws_beside(1000.0, 100.0, 20.0, 4) == 0.25);           // nobody sees its noise
+    CHECK(draws_beside(1000.0, 100.0, 20.0, 1) == 1.0);            // as few as one sample can have
+    CHECK(draws_beside(1.0, 0.0, 1e4, 4) == FogGlow::most_draws);  // all else takes more time
+    CHECK(draws_beside(0.0, 0.0, 20.0, 4) >= draws_beside(1.0, 0.3, 20.0, 4));
+    glow.prepare({}, Progress()); // no pilot
+    CHECK(glow.draw_count() == 1);
+    CHECK(glow.turn() == 1);
+}
+
 TEST_CASE("a tree of lights chooses along a line as often as it says, every light that may shine there") {
     std::vector<render::LightBounds> lights;
     for (std::uint32_t index = 0; index < 300; ++index) {
