@@ -164,13 +164,10 @@ public:
 
 private:
     void add(const LightBeams& light, Block& block, Steps& steps) const {
-        const Deal mine = deal(light.stratum_count(), turn_);
-        const std::size_t stride = (mine.last - mine.first + most_strata_of_texture - 1) / most_strata_of_texture;
-        for (std::size_t index = mine.first; index < mine.last; index += stride) {
-            const std::size_t first = spread(index, light.stratum_count()) * light.parts;
-            for (const Beam& beam : std::span(light.beams).subspan(first, light.parts))
-                add(beam, mine.weight * static_cast<float>(stride), block, steps);
-        }
+        for_texture_strata(light.stratum_count(), turn_, [&](std::size_t stratum, float weight) {
+            for (const Beam& beam : std::span(light.beams).subspan(stratum * light.parts, light.parts))
+                add(beam, weight, block, steps);
+        });
     }
     void add(const Beam& beam, float strata_weight, Block& block, Steps& steps) const {
         if (beam.local) {

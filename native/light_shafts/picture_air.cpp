@@ -11,15 +11,11 @@ namespace tyndall::light_shafts {
 /// The beams that a turn asks of a light, and how much each counts.
 template <class Visit>
 static void for_asked_beams(const PreparedLights& prepared, const Turn& turn, const Visit& visit) {
-    for (const LightBeams& light : prepared.lights) {
-        const Deal mine = deal(light.stratum_count(), turn);
-        const std::size_t stride = (mine.last - mine.first + most_strata_of_texture - 1) / most_strata_of_texture;
-        for (std::size_t index = mine.first; index < mine.last; index += stride) {
-            const std::size_t first = spread(index, light.stratum_count()) * light.parts;
-            for (const Beam& beam : std::span(light.beams).subspan(first, light.parts))
-                visit(beam, mine.weight * static_cast<float>(stride));
-        }
-    }
+    for (const LightBeams& light : prepared.lights)
+        for_texture_strata(light.stratum_count(), turn, [&](std::size_t stratum, float weight) {
+            for (const Beam& beam : std::span(light.beams).subspan(stratum * light.parts, light.parts))
+                visit(beam, weight);
+        });
 }
 
 bool PictureAir::fits(const PreparedLights& prepared, const AirTexture& air, const Turn& turn) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "volume/air_texture.hpp"
+#include "volume/painted_kernel.hpp"
 #include <algorithm>
 
 namespace tyndall {
@@ -12,28 +13,6 @@ constexpr float texels_per_step_log2 = 2.0f;
 const glm::dmat3 cube_from_scene_directions =
     glm::dmat3(glm::rotate(glm::dmat4(1.0), 0.6, dvec3(0, 0, 1)) *
                glm::rotate(glm::dmat4(1.0), 0.8, glm::normalize(dvec3(1.0, 2.0, 0.5))));
-
-/// Trilinear; `place` in the unit cube. Beyond the outermost samples their values hold.
-float sampled(const PaintedVolume& volume, const vec3& place) {
-    std::array<std::array<std::size_t, 2>, 3> voxel;
-    std::array<float, 3> share;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto last = static_cast<float>(volume.size[axis] - 1);
-        const float at = std::clamp(
-            place[static_cast<glm::length_t>(axis)] * static_cast<float>(volume.size[axis]) - 0.5f, 0.0f, last);
-        voxel[axis][0] = static_cast<std::size_t>(at);
-        voxel[axis][1] = std::min<std::size_t>(voxel[axis][0] + 1, volume.size[axis] - 1);
-        share[axis] = at - static_cast<float>(voxel[axis][0]);
-    }
-    const auto between = [](float a, float b, float t) { return a + t * (b - a); };
-    const auto row = [&](std::size_t z, std::size_t y) {
-        const float* const values =
-            &volume.values[(voxel[2][z] * volume.size[1] + voxel[1][y]) * std::size_t{volume.size[0]}];
-        return between(values[voxel[0][0]], values[voxel[0][1]], share[0]);
-    };
-    const auto layer = [&](std::size_t z) { return between(row(z, 0), row(z, 1), share[1]); };
-    return between(layer(0), layer(1), share[2]);
-}
 } // namespace
 
 AirTexture::AirTexture(const Heterogeneity& heterogeneity, const Progress& progress) : heterogeneity_(heterogeneity) {
@@ -77,19 +56,50 @@ float AirTexture::noise_at(const vec3& point, float level, float sequence) const
     return noise_->relative_at(cube_from_scene_ * dvec3(point) + offset_, std::min(nearest, noise_->level_count() - 1));
 }
 
-AirTexture::Paint AirTexture::paint_at(const vec3& place) const {
+void AirTexture::find_paint(const vec3& origin, const vec3& direction, Paint& paint) const {
     const PaintedAir& painted = *heterogeneity_.painted;
-    return {.amount = painted.amount().is_empty() ? 0.0f : sampled(painted.amount(), place),
-            .level = painted.changes_level() ? sampled(painted.level(), place) : 0.0f,
-            .intensity = painted.changes_intensity() ? sampled(painted.intensity(), place) : 1.0f};
+    const vec3 unit_origin(heterogeneity_.unit_from_scene * vec4(origin, 1.0f)),
+        unit_direction(heterogeneity_.unit_from_scene * vec4(direction, 0.0f));
+    const std::size_t count = paint.at_m.size();
+    paint.at_m.resize(count + painted::padding);
+    const auto sample = [&](const PaintedVolume& volume, bool is_painted, float otherwise, std::vector<float>& values) {
+        values.assign(paint.at_m.size(), otherwise);
+        if (!is_painted)
+            return;
+        painted::VolumeRay ray{.values = volume.values.data(), .size = volume.size, .origin = {}, .direction = {}};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto size = static_cast<float>(volume.size[axis]);
+            ray.origin[axis] = unit_origin[static_cast<glm::length_t>(axis)] * size - 0.5f;
+            ray.direction[axis] = unit_direction[static_cast<glm::length_t>(axis)] * size;
+        }
+        painted::sample_along(ray, paint.at_m.data(), count, values.data());
+    };
+    sample(painted.amount(), !painted.amount().is_empty(), 0.0f, paint.amount);
+    sample(painted.level(), painted.changes_level(), 0.0f, paint.level);
+    sample(painted.intensity(), painted.changes_intensity(), 1.0f, paint.intensity);
+    paint.at_m.resize(count);
+}
+
+void AirTexture::find_paint(const AirSteps& steps, float first_m, float last_m, Paint& paint) const {
+    paint.step.clear(), paint.at_m.clear();
+    for (std::uint32_t step = 0; step < steps.at_m.size(); ++step)
+        if (const float at_m = steps.at_m[step]; steps.weights[step] != 0.0f && first_m <= at_m && at_m <= last_m) {
+            paint.step.push_back(step);
+            paint.at_m.push_back(at_m);
+        }
+    find_paint(steps.origin, steps.direction, paint);
 }
 
 float AirTexture::at(const vec3& point, float least_level, float sequence) const {
-    Paint paint{.amount = 0.0f, .level = 0.0f, .intensity = 1.0f};
+    PaintedStep paint;
     if (heterogeneity_.painted) {
         const vec3 place(heterogeneity_.unit_from_scene * vec4(point, 1.0f));
-        if (glm::all(glm::greaterThanEqual(place, vec3(0.0f))) && glm::all(glm::lessThanEqual(place, vec3(1.0f))))
-            paint = paint_at(place);
+        thread_local Paint found;
+        found.step.assign(1, 0), found.at_m.assign(1, 0.0f);
+        if (glm::all(glm::greaterThanEqual(place, vec3(0.0f))) && glm::all(glm::lessThanEqual(place, vec3(1.0f)))) {
+            find_paint(point, vec3(0.0f), found);
+            paint = found[0];
+        }
     }
     const float amount = std::clamp(heterogeneity_.amount + paint.amount, 0.0f, 1.0f);
     const float intensity = heterogeneity_.intensity * paint.intensity;
@@ -157,47 +167,41 @@ void AirTexture::find(const AirSteps& steps, std::span<float> values) const {
     const auto [first_m, last_m] = painted_part(steps);
     const bool is_painted = first_m <= last_m, has_levels = is_painted && heterogeneity_.painted->changes_level();
     struct Workspace {
-        std::vector<Paint> paint;
+        Paint paint;
         std::vector<std::uint8_t> levels;
     };
     thread_local Workspace of_steps;
-    of_steps.paint.assign(is_painted ? steps.at_m.size() : 0, Paint{.amount = 0.0f, .level = 0.0f, .intensity = 1.0f});
+    Paint& painted = of_steps.paint;
+    painted.step.clear();
+    if (is_painted)
+        find_paint(steps, first_m, last_m, painted);
     of_steps.levels.assign(has_levels ? steps.at_m.size() : 0, 0);
     float finest = coarsest;
-    for (std::size_t step = 0; step < of_steps.paint.size(); ++step) {
-        const float at_m = steps.at_m[step];
-        if (steps.weights[step] == 0.0f)
-            continue;
-        if (first_m <= at_m && at_m <= last_m)
-            of_steps.paint[step] =
-                paint_at(vec3(heterogeneity_.unit_from_scene * vec4(steps.origin + at_m * steps.direction, 1.0f)));
-        if (has_levels) {
-            const float level =
-                std::clamp(std::max(heterogeneity_.level + of_steps.paint[step].level, least_level), 0.0f, coarsest);
+    if (has_levels)
+        for_each_painted(painted, steps, [&](std::size_t step, const PaintedStep& paint) {
+            const float level = std::clamp(std::max(heterogeneity_.level + paint.level, least_level), 0.0f, coarsest);
             finest = std::min(finest, level);
             of_steps.levels[step] =
                 static_cast<std::uint8_t>(std::min(level + sequence_[steps.first + step], coarsest));
-        }
-    }
+        });
     if (is_painted || heterogeneity_.amount > 0.0f) {
         air_noise::NoiseRay ray = noise_ray(steps, has_levels ? finest : std::max(heterogeneity_.level, least_level));
         if (has_levels)
             ray.level_of_step = of_steps.levels.data();
         air_noise::find_along(ray, values.data());
     }
-    for (std::size_t step = 0; step < steps.at_m.size(); ++step) {
-        float amount = heterogeneity_.amount, intensity = heterogeneity_.intensity;
-        if (is_painted) {
-            amount = std::clamp(amount + of_steps.paint[step].amount, 0.0f, 1.0f);
-            intensity *= of_steps.paint[step].intensity;
-        }
+    std::ranges::transform(steps.weights, values, values.begin(),
+                           [](float weight, float noise) { return weight == 0.0f ? 0.0f : noise; });
+    for_each_painted(painted, steps, [&](std::size_t step, const PaintedStep& paint) {
+        const float amount = std::clamp(heterogeneity_.amount + paint.amount, 0.0f, 1.0f);
         const float noise = amount == 0.0f ? 1.0f : values[step];
-        values[step] = steps.weights[step] == 0.0f ? 0.0f : intensity * (1.0f + amount * (noise - 1.0f));
-    }
+        values[step] = heterogeneity_.intensity * paint.intensity * (1.0f + amount * (noise - 1.0f));
+    });
 }
 
 float AirTexture::mean_of_painted(const AirSteps& steps, float least_level, float first_m, float last_m) const {
     struct Workspace {
+        Paint paint;
         std::vector<float> weights;
         std::vector<std::uint8_t> levels;
     };
@@ -207,13 +211,9 @@ float AirTexture::mean_of_painted(const AirSteps& steps, float least_level, floa
     const bool has_levels = heterogeneity_.painted->changes_level();
     const auto coarsest = static_cast<float>(noise_->level_count() - 1);
     float even = 0.0f, weight_sum = 0.0f, finest = coarsest;
-    for (std::size_t step = 0; step < steps.at_m.size(); ++step) {
-        const float weight = steps.weights[step], at_m = steps.at_m[step];
-        if (weight == 0.0f)
-            continue;
-        Paint paint{.amount = 0.0f, .level = 0.0f, .intensity = 1.0f};
-        if (first_m <= at_m && at_m <= last_m)
-            paint = paint_at(vec3(heterogeneity_.unit_from_scene * vec4(steps.origin + at_m * steps.direction, 1.0f)));
+    find_paint(steps, first_m, last_m, of_noise.paint);
+    for_each_painted(of_noise.paint, steps, [&](std::size_t step, const PaintedStep& paint) {
+        const float weight = steps.weights[step];
         const float amount = std::clamp(heterogeneity_.amount + paint.amount, 0.0f, 1.0f);
         weight_sum += weight;
         even += weight * paint.intensity * (1.0f - amount);
@@ -224,7 +224,7 @@ float AirTexture::mean_of_painted(const AirSteps& steps, float least_level, floa
             of_noise.levels[step] =
                 static_cast<std::uint8_t>(std::min(level + sequence_[steps.first + step], coarsest));
         }
-    }
+    });
     if (weight_sum == 0.0f)
         return 1.0f;
     air_noise::NoiseRay ray = noise_ray(steps, has_levels ? finest : std::max(heterogeneity_.level, least_level));

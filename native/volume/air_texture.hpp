@@ -5,7 +5,7 @@
 //           for the rest, by a fixed sequence: along a surface levels change step by step, and no line shows.
 //           The cube is turned against the scene's axes: walls and rows of trees do not lie along it.
 // Bound:    per step with weight one load of 8 bytes, see air_noise_kernel.hpp; in the painted box 8 voxels of each volume
-//           that is painted, one step after the other.
+//           that is painted, see painted_kernel.hpp.
 #pragma once
 #include "core/progress.hpp"
 #include "volume/air_noise.hpp"
@@ -47,12 +47,34 @@ public:
 
 private:
     /// In the painted box, relative to what holds everywhere.
-    struct Paint {
-        float amount, level, intensity;
+    struct PaintedStep {
+        float amount = 0.0f, level = 0.0f, intensity = 1.0f;
     };
+    /// Of those steps of a ray that have a weight and lie in the box.
+    struct Paint {
+        std::vector<std::uint32_t> step;
+        std::vector<float> at_m, amount, level, intensity;
+        [[nodiscard]] PaintedStep operator[](std::size_t index) const {
+            return {amount[index], level[index], intensity[index]};
+        }
+    };
+    /// What is painted at the distances that are there.
+    void find_paint(const vec3& origin, const vec3& direction, Paint& paint) const;
+    /// And those themselves, of steps from first_m to last_m.
+    void find_paint(const AirSteps& steps, float first_m, float last_m, Paint& paint) const;
+    /// Calls visit(step, paint) for each step that has a weight, in the box and outside.
+    template <class Visit>
+    static void for_each_painted(const Paint& paint, const AirSteps& steps, const Visit& visit) {
+        std::size_t next = 0;
+        for (std::size_t step = 0; step < steps.weights.size(); ++step) {
+            const bool is_inside = next < paint.step.size() && paint.step[next] == step;
+            if (steps.weights[step] != 0.0f)
+                visit(step, is_inside ? paint[next] : PaintedStep{});
+            next += is_inside ? 1 : 0;
+        }
+    }
     /// Where the steps are in the painted box, in metres: .first to .second, which is before it where they are not.
     [[nodiscard]] std::pair<float, float> painted_part(const AirSteps& steps) const;
-    [[nodiscard]] Paint paint_at(const vec3& place) const;
     [[nodiscard]] float mean_of_painted(const AirSteps& steps, float least_level, float first_m, float last_m) const;
     [[nodiscard]] air_noise::NoiseRay noise_ray(const AirSteps& steps, float level) const;
     [[nodiscard]] float noise_at(const vec3& point, float level, float sequence) const;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/simd.hpp"
 #include "render/glow_cells.hpp"
 #include "support/close_to.hpp"
 #include "support/fog_draws.hpp"
@@ -97,20 +98,22 @@ const Medium coloured{.name = "coloured",
 
 // Seen to fail with the second piece's lobes in the first one, and with the light's side left out.
 TEST_CASE("cells of a line weigh what their middles scatter of a lamp, in even fog, in colours and behind more fog") {
-    for (const auto& fog : {std::vector{even, even}, std::vector{even, coloured}, std::vector{coloured, even}}) {
-        const Seen seen(fog);
-        for (const bool is_dimmed : {false, true}) {
-            GlowBesideLine glow{
-                .from_origin = vec3(2.2f, 0.4f, -0.9f), .radius2 = 0.04f, .foot_m = 2.2f, .off_m = 1.1f};
-            glow.light_side[0] = {0.0f, Rgb(1.2f, 0.7f, 0.4f), Rgb(-0.3f, -0.1f, 0.0f)};
-            glow.light_side[1] = {2.2f, Rgb(0.54f, 0.48f, 0.4f), Rgb(0.1f, 0.2f, 0.15f)};
-            glow.is_dimmed = is_dimmed;
-            check_weights(seen, glow, 1e-4, [&](const dvec3& point) {
-                const dvec3 way = dvec3(along_x.origin) + dvec3(glow.from_origin) - point;
-                return 1.0 / (glm::dot(way, way) + 0.04);
-            });
+    for (const auto& fog : {std::vector{even, even}, std::vector{even, coloured}, std::vector{coloured, even}})
+        for (const SimdTarget target : available_simd_targets()) {
+            const ForcedSimdTarget forced(target);
+            const Seen seen(fog);
+            for (const bool is_dimmed : {false, true}) {
+                GlowBesideLine glow{
+                    .from_origin = vec3(2.2f, 0.4f, -0.9f), .radius2 = 0.04f, .foot_m = 2.2f, .off_m = 1.1f};
+                glow.light_side[0] = {0.0f, Rgb(1.2f, 0.7f, 0.4f), Rgb(-0.3f, -0.1f, 0.0f)};
+                glow.light_side[1] = {2.2f, Rgb(0.54f, 0.48f, 0.4f), Rgb(0.1f, 0.2f, 0.15f)};
+                glow.is_dimmed = is_dimmed;
+                check_weights(seen, glow, 1e-4, [&](const dvec3& point) {
+                    const dvec3 way = dvec3(along_x.origin) + dvec3(glow.from_origin) - point;
+                    return 1.0 / (glm::dot(way, way) + 0.04);
+                });
+            }
         }
-    }
 }
 
 TEST_CASE(
