@@ -99,7 +99,7 @@ TEST_CASE("between samples what is painted is linear, and even beyond the outerm
     }
 }
 
-// Seen to fail with the next sample's share along y taken along x.
+// Seen to fail with a layer's share taken along y.
 TEST_CASE("steps of a ray have what is painted around each of them, inside the box, by every vector of the machine") {
     std::mt19937 random(3);
     std::uniform_real_distribution<float> value(0.0f, 5.0f);
