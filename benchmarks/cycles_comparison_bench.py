@@ -95,16 +95,6 @@ def open_scene(name: str) -> bpy.types.Scene:
     render.image_settings.color_mode = "RGB"
     scene.tyndall.pixel_filter = scene.cycles.pixel_filter_type = "BLACKMAN_HARRIS"
     scene.tyndall.filter_width_px = scene.cycles.filter_width = 1.5
-    # Glowing meshes are seen, and light nothing: Tyndall has no light from meshes yet. In Cycles rays that leave fog or
-    # a surface after the last bounce still end on them, and see them glow: 0.7 % of the stage's light.
-    glowing = set()
-    for material in bpy.data.materials:
-        material.cycles.emission_sampling = "NONE"
-        if any(node.bl_idname == "ShaderNodeEmission" for node in material.node_tree.nodes):
-            glowing.add(material.name)
-    for thing in bpy.data.objects:
-        if glowing & {slot.material.name for slot in thing.material_slots if slot.material}:
-            thing.visible_diffuse = thing.visible_volume_scatter = False
     return scene
 
 
