@@ -56,56 +56,62 @@ float AirTexture::noise_at(const vec3& point, float level, float sequence) const
     return noise_->relative_at(cube_from_scene_ * dvec3(point) + offset_, std::min(nearest, noise_->level_count() - 1));
 }
 
-void AirTexture::find_paint(const vec3& origin, const vec3& direction, Paint& paint) const {
+void AirTexture::find_paint(const AirSteps& steps, float first_m, float last_m, Paint& paint) const {
     const PaintedAir& painted = *heterogeneity_.painted;
-    const vec3 unit_origin(heterogeneity_.unit_from_scene * vec4(origin, 1.0f)),
-        unit_direction(heterogeneity_.unit_from_scene * vec4(direction, 0.0f));
-    const std::size_t count = paint.at_m.size();
-    paint.at_m.resize(count + painted::padding);
+    const vec3 origin(heterogeneity_.unit_from_scene * vec4(steps.origin, 1.0f)),
+        direction(heterogeneity_.unit_from_scene * vec4(steps.direction, 0.0f));
+    const auto begin = std::ranges::lower_bound(steps.at_m, first_m),
+               end = std::ranges::upper_bound(steps.at_m, last_m);
+    const auto first = static_cast<std::size_t>(begin - steps.at_m.begin());
     const auto sample = [&](const PaintedVolume& volume, bool is_painted, float otherwise, std::vector<float>& values) {
-        values.assign(paint.at_m.size(), otherwise);
-        if (!is_painted)
+        values.assign(steps.at_m.size(), otherwise);
+        if (!is_painted || begin >= end)
             return;
         painted::VolumeRay ray{.values = volume.values.data(), .size = volume.size, .origin = {}, .direction = {}};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const auto size = static_cast<float>(volume.size[axis]);
-            ray.origin[axis] = unit_origin[static_cast<glm::length_t>(axis)] * size - 0.5f;
-            ray.direction[axis] = unit_direction[static_cast<glm::length_t>(axis)] * size;
+            ray.origin[axis] = origin[static_cast<glm::length_t>(axis)] * size - 0.5f;
+            ray.direction[axis] = direction[static_cast<glm::length_t>(axis)] * size;
         }
-        painted::sample_along(ray, paint.at_m.data(), count, values.data());
+        painted::sample_along(ray, &*begin, &steps.weights[first], static_cast<std::size_t>(end - begin),
+                              &values[first]);
     };
     sample(painted.amount(), !painted.amount().is_empty(), 0.0f, paint.amount);
     sample(painted.level(), painted.changes_level(), 0.0f, paint.level);
     sample(painted.intensity(), painted.changes_intensity(), 1.0f, paint.intensity);
-    paint.at_m.resize(count);
 }
 
-void AirTexture::find_paint(const AirSteps& steps, float first_m, float last_m, Paint& paint) const {
-    paint.step.clear(), paint.at_m.clear();
-    for (std::uint32_t step = 0; step < steps.at_m.size(); ++step)
-        if (const float at_m = steps.at_m[step]; steps.weights[step] != 0.0f && first_m <= at_m && at_m <= last_m) {
-            paint.step.push_back(step);
-            paint.at_m.push_back(at_m);
-        }
-    find_paint(steps.origin, steps.direction, paint);
+float AirTexture::find_levels(const AirSteps& steps, const Paint& paint, float least_level,
+                              std::vector<std::uint8_t>& levels) const {
+    const auto coarsest = static_cast<float>(noise_->level_count() - 1);
+    float finest = coarsest;
+    levels.assign(steps.at_m.size(), 0);
+    for (std::size_t step = 0; step < levels.size(); ++step) {
+        if (steps.weights[step] == 0.0f)
+            continue;
+        const float level = std::clamp(std::max(heterogeneity_.level + paint.level[step], least_level), 0.0f, coarsest);
+        finest = std::min(finest, level);
+        levels[step] = static_cast<std::uint8_t>(std::min(level + sequence_[steps.first + step], coarsest));
+    }
+    return finest;
 }
 
 float AirTexture::at(const vec3& point, float least_level, float sequence) const {
-    PaintedStep paint;
+    float amount = heterogeneity_.amount, intensity = heterogeneity_.intensity, level = heterogeneity_.level;
     if (heterogeneity_.painted) {
         const vec3 place(heterogeneity_.unit_from_scene * vec4(point, 1.0f));
-        thread_local Paint found;
-        found.step.assign(1, 0), found.at_m.assign(1, 0.0f);
         if (glm::all(glm::greaterThanEqual(place, vec3(0.0f))) && glm::all(glm::lessThanEqual(place, vec3(1.0f)))) {
-            find_paint(point, vec3(0.0f), found);
-            paint = found[0];
+            constexpr std::array at_m{0.0f}, weights{1.0f};
+            thread_local Paint paint;
+            find_paint({point, vec3(0.0f), at_m, weights, 0.0f}, 0.0f, 0.0f, paint);
+            amount = std::clamp(amount + paint.amount[0], 0.0f, 1.0f);
+            intensity *= paint.intensity[0];
+            level += paint.level[0];
         }
     }
-    const float amount = std::clamp(heterogeneity_.amount + paint.amount, 0.0f, 1.0f);
-    const float intensity = heterogeneity_.intensity * paint.intensity;
     if (amount == 0.0f)
         return intensity;
-    const float level = std::max(heterogeneity_.level + paint.level, least_level);
+    level = std::max(level, least_level);
     return intensity * (1.0f + amount * (noise_at(point, level, sequence) - 1.0f));
 }
 
@@ -163,7 +169,6 @@ float AirTexture::mean(const AirSteps& steps) const {
 
 void AirTexture::find(const AirSteps& steps, std::span<float> values) const {
     const float least_level = std::log2(steps.step_m / texel_m_) - texels_per_step_log2;
-    const auto coarsest = static_cast<float>(noise_->level_count() - 1);
     const auto [first_m, last_m] = painted_part(steps);
     const bool is_painted = first_m <= last_m, has_levels = is_painted && heterogeneity_.painted->changes_level();
     struct Workspace {
@@ -171,32 +176,26 @@ void AirTexture::find(const AirSteps& steps, std::span<float> values) const {
         std::vector<std::uint8_t> levels;
     };
     thread_local Workspace of_steps;
-    Paint& painted = of_steps.paint;
-    painted.step.clear();
+    const Paint& paint = of_steps.paint;
     if (is_painted)
-        find_paint(steps, first_m, last_m, painted);
-    of_steps.levels.assign(has_levels ? steps.at_m.size() : 0, 0);
-    float finest = coarsest;
-    if (has_levels)
-        for_each_painted(painted, steps, [&](std::size_t step, const PaintedStep& paint) {
-            const float level = std::clamp(std::max(heterogeneity_.level + paint.level, least_level), 0.0f, coarsest);
-            finest = std::min(finest, level);
-            of_steps.levels[step] =
-                static_cast<std::uint8_t>(std::min(level + sequence_[steps.first + step], coarsest));
-        });
+        find_paint(steps, first_m, last_m, of_steps.paint);
+    const float finest = has_levels ? find_levels(steps, paint, least_level, of_steps.levels)
+                                    : std::max(heterogeneity_.level, least_level);
     if (is_painted || heterogeneity_.amount > 0.0f) {
-        air_noise::NoiseRay ray = noise_ray(steps, has_levels ? finest : std::max(heterogeneity_.level, least_level));
+        air_noise::NoiseRay ray = noise_ray(steps, finest);
         if (has_levels)
             ray.level_of_step = of_steps.levels.data();
         air_noise::find_along(ray, values.data());
     }
-    std::ranges::transform(steps.weights, values, values.begin(),
-                           [](float weight, float noise) { return weight == 0.0f ? 0.0f : noise; });
-    for_each_painted(painted, steps, [&](std::size_t step, const PaintedStep& paint) {
-        const float amount = std::clamp(heterogeneity_.amount + paint.amount, 0.0f, 1.0f);
+    for (std::size_t step = 0; step < steps.at_m.size(); ++step) {
+        float amount = heterogeneity_.amount, intensity = heterogeneity_.intensity;
+        if (is_painted) {
+            amount = std::clamp(amount + paint.amount[step], 0.0f, 1.0f);
+            intensity *= paint.intensity[step];
+        }
         const float noise = amount == 0.0f ? 1.0f : values[step];
-        values[step] = heterogeneity_.intensity * paint.intensity * (1.0f + amount * (noise - 1.0f));
-    });
+        values[step] = steps.weights[step] == 0.0f ? 0.0f : intensity * (1.0f + amount * (noise - 1.0f));
+    }
 }
 
 float AirTexture::mean_of_painted(const AirSteps& steps, float least_level, float first_m, float last_m) const {
@@ -206,28 +205,22 @@ float AirTexture::mean_of_painted(const AirSteps& steps, float least_level, floa
         std::vector<std::uint8_t> levels;
     };
     thread_local Workspace of_noise;
-    of_noise.weights.assign(steps.at_m.size(), 0.0f);
-    of_noise.levels.assign(steps.at_m.size(), 0);
-    const bool has_levels = heterogeneity_.painted->changes_level();
-    const auto coarsest = static_cast<float>(noise_->level_count() - 1);
-    float even = 0.0f, weight_sum = 0.0f, finest = coarsest;
+    of_noise.weights.resize(steps.at_m.size());
+    const Paint& paint = of_noise.paint;
     find_paint(steps, first_m, last_m, of_noise.paint);
-    for_each_painted(of_noise.paint, steps, [&](std::size_t step, const PaintedStep& paint) {
-        const float weight = steps.weights[step];
-        const float amount = std::clamp(heterogeneity_.amount + paint.amount, 0.0f, 1.0f);
+    float even = 0.0f, weight_sum = 0.0f;
+    for (std::size_t step = 0; step < steps.at_m.size(); ++step) {
+        const float amount = std::clamp(heterogeneity_.amount + paint.amount[step], 0.0f, 1.0f);
+        const float weight = steps.weights[step], bright = weight * paint.intensity[step];
         weight_sum += weight;
-        even += weight * paint.intensity * (1.0f - amount);
-        of_noise.weights[step] = weight * paint.intensity * amount;
-        if (has_levels) {
-            const float level = std::clamp(std::max(heterogeneity_.level + paint.level, least_level), 0.0f, coarsest);
-            finest = std::min(finest, level);
-            of_noise.levels[step] =
-                static_cast<std::uint8_t>(std::min(level + sequence_[steps.first + step], coarsest));
-        }
-    });
+        even += bright * (1.0f - amount);
+        of_noise.weights[step] = bright * amount;
+    }
     if (weight_sum == 0.0f)
         return 1.0f;
-    air_noise::NoiseRay ray = noise_ray(steps, has_levels ? finest : std::max(heterogeneity_.level, least_level));
+    const bool has_levels = heterogeneity_.painted->changes_level();
+    air_noise::NoiseRay ray = noise_ray(steps, has_levels ? find_levels(steps, paint, least_level, of_noise.levels)
+                                                          : std::max(heterogeneity_.level, least_level));
     ray.weights = of_noise.weights.data();
     if (has_levels)
         ray.level_of_step = of_noise.levels.data();

@@ -46,33 +46,15 @@ public:
     void find(const AirSteps& steps, std::span<float> values) const;
 
 private:
-    /// In the painted box, relative to what holds everywhere.
-    struct PaintedStep {
-        float amount = 0.0f, level = 0.0f, intensity = 1.0f;
-    };
-    /// Of those steps of a ray that have a weight and lie in the box.
+    /// Of each point of a ray, relative to what holds everywhere.
     struct Paint {
-        std::vector<std::uint32_t> step;
-        std::vector<float> at_m, amount, level, intensity;
-        [[nodiscard]] PaintedStep operator[](std::size_t index) const {
-            return {amount[index], level[index], intensity[index]};
-        }
+        std::vector<float> amount, level, intensity;
     };
-    /// What is painted at the distances that are there.
-    void find_paint(const vec3& origin, const vec3& direction, Paint& paint) const;
-    /// And those themselves, of steps from first_m to last_m.
+    /// Of the points in the painted box, from first_m to last_m, that have a weight; the others have what holds everywhere.
     void find_paint(const AirSteps& steps, float first_m, float last_m, Paint& paint) const;
-    /// Calls visit(step, paint) for each step that has a weight, in the box and outside.
-    template <class Visit>
-    static void for_each_painted(const Paint& paint, const AirSteps& steps, const Visit& visit) {
-        std::size_t next = 0;
-        for (std::size_t step = 0; step < steps.weights.size(); ++step) {
-            const bool is_inside = next < paint.step.size() && paint.step[next] == step;
-            if (steps.weights[step] != 0.0f)
-                visit(step, is_inside ? paint[next] : PaintedStep{});
-            next += is_inside ? 1 : 0;
-        }
-    }
+    /// Of the noise, of each point that has a weight; returns the finest.
+    [[nodiscard]] float find_levels(const AirSteps& steps, const Paint& paint, float least_level,
+                                    std::vector<std::uint8_t>& levels) const;
     /// Where the steps are in the painted box, in metres: .first to .second, which is before it where they are not.
     [[nodiscard]] std::pair<float, float> painted_part(const AirSteps& steps) const;
     [[nodiscard]] float mean_of_painted(const AirSteps& steps, float least_level, float first_m, float last_m) const;

@@ -7,13 +7,11 @@
 #include <cstdint>
 
 namespace tyndall::painted {
-/// Points are read and written in whole vectors of at most so many.
-inline constexpr std::size_t padding = 16;
 struct VolumeRay {
     const float* values; ///< x fastest.
     std::array<std::uint32_t, 3> size;
     std::array<float, 3> origin, direction; ///< In voxels from the middle of the first one, and per metre.
 };
-/// Trilinear; beyond the outermost samples their values hold. Both spans have room for the last vector.
-void sample_along(const VolumeRay& ray, const float* at_m, std::size_t count, float* values);
+/// Trilinear; beyond the outermost samples their values hold. Where no point of a vector has a weight, values stay.
+void sample_along(const VolumeRay& ray, const float* at_m, const float* weights, std::size_t count, float* values);
 } // namespace tyndall::painted
