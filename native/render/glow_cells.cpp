@@ -13,6 +13,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace tyndall::render::HWY_NAMESPACE {
+#include "render/arctangent-inl.hpp"
 namespace hn = hwy::HWY_NAMESPACE;
 using CellTag = hn::CappedTag<float, 16>;
 using Cells = hn::Vec<CellTag>;
@@ -37,15 +38,6 @@ struct Way {
     HWY_INLINE Cells dot(const vec3& other) const { return dot3(x, y, z, all(other.x), all(other.y), all(other.z)); }
 };
 
-/// Of a quotient that is not negative; to 0.005 rad.
-static HWY_INLINE Cells arctangent(Cells over, Cells under) {
-    const Cells size = hn::Abs(under), larger = hn::Max(hn::Max(over, size), all(1e-30f));
-    const Cells ratio = hn::Min(over, size) / larger;
-    const Cells small = ratio / hn::MulAdd(all(0.28f) * ratio, ratio, all(1.0f));
-    const Cells sharp = hn::IfThenElse(hn::Gt(over, size), all(0.5f * std::numbers::pi_v<float>) - small, small);
-    return hn::IfThenElse(hn::Lt(under, hn::Zero(cd)), all(std::numbers::pi_v<float>) - sharp, sharp);
-}
-
 static HWY_INLINE Cells solid_angle_sr(const EmissiveTriangle& triangle, const MediaLine& line, Cells at_m) {
     const auto& corners = triangle.corners;
     const Way a(corners[0] - line.origin(), line.direction(), at_m),
@@ -55,7 +47,7 @@ static HWY_INLINE Cells solid_angle_sr(const EmissiveTriangle& triangle, const M
                                     hn::MulSub(b.x, c.y, b.y * c.x)));
     const Cells under = hn::MulAdd(length_a * length_b, length_c,
                                    hn::MulAdd(a.dot(b), length_c, hn::MulAdd(a.dot(c), length_b, b.dot(c) * length_a)));
-    return all(2.0f) * arctangent(over, under);
+    return all(2.0f) * arctangent(cd, over, under);
 }
 
 /// What covers it of the sky, or of a lamp as if it shone from there in all directions.

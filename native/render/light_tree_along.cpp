@@ -9,6 +9,7 @@
 #include "render/light_tree.hpp"
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/light_tree_along.cpp"
@@ -19,19 +20,15 @@ HWY_BEFORE_NAMESPACE();
 namespace tyndall::render::HWY_NAMESPACE {
 #include "render/light_tree-inl.hpp"
 
+#include "render/arctangent-inl.hpp"
+
 /// Optical depth of the stretch that is looked at first.
 static constexpr float first_depth = 1.1f;
 /// Every light counts as if it shone so much towards the stretch: the three points may miss its beam.
 static constexpr float least_shine = 0.02f;
 
 /// Between the directions (1, from) and (1, to), from <= to; to 0.005 rad.
-static HWY_INLINE V angle(V from, V to) {
-    const V one = set(1.0f), across = to - from, along = hn::MulAdd(from, to, one), size = hn::Abs(along);
-    const V ratio = hn::Min(size, across) / hn::Max(hn::Max(size, across), set(1e-30f));
-    const V small = ratio / hn::MulAdd(set(0.28f) * ratio, ratio, one);
-    const V sharp = hn::IfThenElse(hn::Gt(across, size), set(0.5f * pi) - small, small);
-    return hn::IfThenElse(hn::Lt(along, hn::Zero(d)), set(pi) - sharp, sharp);
-}
+static HWY_INLINE V angle(V from, V to) { return arctangent(d, to - from, hn::MulAdd(from, to, set(1.0f))); }
 
 /// Lights as seen from the line's origin, and how they shine on a point of the line.
 struct Seen {
