@@ -36,6 +36,7 @@ _GLOSSY = {"BSDF_GLOSSY", "BSDF_ANISOTROPIC", "BSDF_METALLIC"}
 _CAN_MIRROR = {*_GLOSSY, "BSDF_PRINCIPLED"}
 _OF_VOLUMES = {"VOLUME_ABSORPTION", "VOLUME_SCATTER", "PRINCIPLED_VOLUME", "VOLUME_COEFFICIENTS"}
 _OPAQUE_GLASS = "glass is opaque on voxels, in its colour"
+_MOST_PASSING = 1.001  #: Of light: above rounding.
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,8 @@ def read_surface(
         finish=Finish() if is_voxels else None,
     )
     _add(reader, at, WHITE, shares)
+    if isinstance(shares.transparent, tuple) and max(shares.transparent) > _MOST_PASSING:
+        reader.note("lets more light through than meets it: all of it passes")
     return shares
 
 

@@ -153,3 +153,26 @@ def test_a_mirror_does_not_begin_anew() -> None:
     assert tyndall_pixels(scene) == pytest.approx(
         0.8 * 2.0 * np.array([0.5, 0.7, 1.0]) * np.ones((SIZE_PX, SIZE_PX, 3)), rel=1e-3
     )
+
+
+@pytest.mark.parametrize("second", [0.1, 0.7])
+def test_shaders_that_let_more_light_pass_than_there_is_are_named(second: float) -> None:
+    """Two transparent ones, added: above 1 Cycles brightens what lies behind, and here all of it passes."""
+
+    def both(new: Callable[[str], bpy.types.Node], link: Callable[..., object]) -> bpy.types.NodeSocket:
+        added = new("ShaderNodeAddShader")
+        for socket, share in zip(added.inputs, (0.8, second), strict=True):
+            link(node(new, "ShaderNodeBsdfTransparent", Color=(share, 0.5, 0.5, 1)).outputs[0], socket)
+        return added.outputs[0]
+
+    scene = empty_scene(4)
+    plane(0.0, material("Glow", lambda new, _: node(new, "ShaderNodeEmission", Color=(0.4, 0.6, 0.8, 1)).outputs[0]))
+    plane(1.0, material("Both", both))
+    pixels = tyndall_pixels(scene)
+    behind = np.array((0.4, 0.6, 0.8)) * (min(0.8 + second, 1.0), 1.0, 1.0)
+    assert np.allclose(pixels[..., :3], behind, atol=1e-5)
+    reports = [line for line in last_render.statistics_of("Scene")["reports"] if '"Both"' in line]
+    assert len(reports) == (1 if second > 0.2 else 0)
+    assert all(line.endswith("lets more light through than meets it: all of it passes") for line in reports)
+    if not reports:
+        assert np.allclose(pixels[..., :3], cycles_pixels(scene, samples=1, seed=1)[..., :3], atol=1e-5)
