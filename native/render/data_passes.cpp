@@ -64,6 +64,16 @@ static bool find_uv(const Scene& scene, const Hit& hit, vec2& uv) {
     return true;
 }
 
+float share_going_on(const SurfaceClosures& closures, std::span<const Lobe> lobes, std::span<const Lobe> bent) {
+    const float on = average(closures.transparent);
+    float sum = on + average(closures.diffuse_albedo + closures.translucent + closures.mirrored);
+    for (const Lobe& lobe : lobes)
+        sum += lobe.sampling;
+    for (const Lobe& lobe : bent)
+        sum += average(lobe.a + lobe.weight);
+    return sum > 0.0f ? on / sum : 0.0f;
+}
+
 void see_aovs(const Scene& scene, const AskingRay& asking, const ShadingPoint& point, const Hit& hit, float reached,
               std::span<const Aov> aovs, PathData& data) {
     data.aovs.resize(aovs.size());

@@ -104,6 +104,10 @@ struct DataOfRays {
     const DataPassConfig* config = nullptr;
 };
 
+/// Of samples that choose one of a surface's shaders by its weight, as Cycles' do, those that go straight on, whatever colour
+/// they are dimmed by. Lobes may be apart from those that bend rays.
+[[nodiscard]] float share_going_on(const SurfaceClosures& closures, std::span<const Lobe> lobes,
+                                   std::span<const Lobe> bent);
 /// Adds the values that a surface has for each pass, by how much of the samples come to it.
 void see_aovs(const Scene& scene, const AskingRay& asking, const ShadingPoint& point, const Hit& hit, float reached,
               std::span<const Aov> aovs, PathData& data);

@@ -13,6 +13,7 @@ struct ViewPath::Follower {
     float width_m = 0.0f;  ///< What it covers where `part` begins.
     Ray part{};            ///< What is left of it.
     Rgb through_surfaces{1.0f}, through_media{1.0f};
+    float samples = 1.0f;     ///< Share of a sampler's that would come here: see share_going_on().
     float gain = 1.0f;        ///< How much more than they met its surfaces gave; of sound ones 1.
     FeatureSearch features{}; ///< Where a denoiser is to be shown some.
     bool has_first_surface = false;

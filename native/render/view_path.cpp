@@ -302,7 +302,7 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
             SurfaceClosures closures = scene_.closures(asking_ray, point.shading, hit, &lobes);
             const bool was_covered = follower.has_first_surface;
             if (has_data && !was_covered && !data.config->aovs.empty())
-                see_aovs(scene_, asking_ray, point.shading, hit, average(follower.through_surfaces), data.config->aovs,
+                see_aovs(scene_, asking_ray, point.shading, hit, follower.samples, data.config->aovs,
                          data.each[follower.index]);
             if (!is_sent_on) {
                 const Rgb removed = cut_out(scene_.is_held_out(hit.instance), closures, lobes);
@@ -367,6 +367,8 @@ void ViewPath::follow(const Rays& rays, std::span<PathSample> samples, std::span
                     send_on(sending, closures, bent, *sent);
             }
             follower.features = searches.passing;
+            if (has_data)
+                follower.samples *= share_going_on(seen, lobes, bent);
             follower.through_surfaces = left_behind(follower.through_surfaces, closures.transparent);
             if (follower.through_surfaces == Rgb(0.0f))
                 continue;

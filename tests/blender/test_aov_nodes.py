@@ -94,6 +94,39 @@ def test_what_a_pane_writes_adds_to_what_lies_behind_as_in_cycles(stage: bpy.typ
     assert abs(ours.mean() - theirs.mean()) < 0.01 * np.abs(theirs).mean()
 
 
+# Seen to fail with what lies behind dimmed by the pane's colour.
+@pytest.mark.parametrize(("kind", "share"), [("pure", 1.0), ("mixed", 6 / 11), ("added", 4 / 9)])
+def test_behind_coloured_panes_as_many_samples_write_as_choose_to_go_on(
+    tmp_path: Path, kind: str, share: float
+) -> None:
+    """A sample chooses one of a surface's shaders by its weight: the colour of one alone takes nothing away."""
+
+    def pane(new: Callable[[str], Node], link: Callable[..., object]) -> bpy.types.NodeSocket:
+        clear = node(new, "ShaderNodeBsdfTransparent", Color=(0.8, 0.3, 0.1, 1)).outputs[0]
+        if kind == "pure":
+            return clear
+        both = node(new, "ShaderNodeMixShader", Fac=0.4) if kind == "mixed" else new("ShaderNodeAddShader")
+        link(clear, both.inputs[-2])
+        link(node(new, "ShaderNodeBsdfDiffuse", Color=(0.2, 0.9, 0.4, 1)).outputs[0], both.inputs[-1])
+        return both.outputs[0]
+
+    scene = empty_scene(8)
+    layer = scene.view_layers[0]
+    layer.pass_alpha_threshold = 1.0
+    aov = layer.aovs.add()
+    aov.name, aov.type = "Height", "VALUE"
+    for height, value, of in ((0.0, 10.0, None), (1.0, 1.0, pane)):
+        matter = material(f"At {height:g}", of or (lambda new, _: node(new, "ShaderNodeBsdfDiffuse").outputs[0]))
+        aov_output(matter.node_tree, "Height").inputs["Value"].default_value = value
+        plane(height, matter)
+    ours, theirs = (
+        render_passes(scene, tmp_path, engine, samples).planes["Height"].mean()
+        for engine, samples in (("TYNDALL", 4), ("CYCLES", 1024))
+    )
+    assert ours == pytest.approx(1.0 + 10.0 * share, rel=1e-4)
+    assert theirs == pytest.approx(1.0 + 10.0 * share, rel=0.01)
+
+
 def test_passes_do_not_change_the_picture(stage: bpy.types.Scene, tmp_path: Path) -> None:
     with_aovs = render_passes(stage, tmp_path, "TYNDALL", 4).planes["Combined"]
     while stage.view_layers[0].aovs:
