@@ -147,7 +147,8 @@ public:
         }
         if (!is_whole)
             for (const LightBeams& light : prepared_.lights)
-                add(light, block, steps);
+                for_texture_beams(light, turn_,
+                                  [&](const Beam& beam, float weight) { add(beam, weight, block, steps); });
         for (std::size_t ray = 0; ray < block.rays.size(); ++ray) {
             const auto weights = std::span<const float>(steps.weights).subspan(ray * step_count, step_count);
             if (std::ranges::all_of(weights, [](float weight) { return weight == 0.0f; }))
@@ -163,12 +164,6 @@ public:
     }
 
 private:
-    void add(const LightBeams& light, Block& block, Steps& steps) const {
-        for_texture_strata(light.stratum_count(), turn_, [&](std::size_t stratum, float weight) {
-            for (const Beam& beam : std::span(light.beams).subspan(stratum * light.parts, light.parts))
-                add(beam, weight, block, steps);
-        });
-    }
     void add(const Beam& beam, float strata_weight, Block& block, Steps& steps) const {
         if (beam.local) {
             if (block.local.is_empty())

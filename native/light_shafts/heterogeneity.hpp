@@ -19,14 +19,17 @@ namespace tyndall::light_shafts {
 inline constexpr float most_depth_of_light = 7.0f;
 /// Strata of a light that the texture of a pixel is asked for: they change its weights only, and those in penumbras.
 inline constexpr std::size_t strata_of_texture = 4;
-/// Calls visit(stratum, weight) for those of a light that a pass asks for.
+/// Calls visit(beam, weight) for those of a light that a pass asks for.
 template <class Visit>
-void for_texture_strata(std::size_t stratum_count, const Turn& turn, const Visit& visit) {
-    const Deal mine = deal(stratum_count, turn);
+void for_texture_beams(const LightBeams& light, const Turn& turn, const Visit& visit) {
+    const Deal mine = deal(light.stratum_count(), turn);
     const std::size_t most = std::max<std::size_t>(1, strata_of_texture / turn.count);
     const std::size_t stride = (mine.last - mine.first + most - 1) / most;
-    for (std::size_t index = mine.first; index < mine.last; index += stride)
-        visit(spread(index, stratum_count), mine.weight * static_cast<float>(stride));
+    for (std::size_t index = mine.first; index < mine.last; index += stride) {
+        const std::size_t first = spread(index, light.stratum_count()) * light.parts;
+        for (const Beam& beam : std::span(light.beams).subspan(first, light.parts))
+            visit(beam, mine.weight * static_cast<float>(stride));
+    }
 }
 /// Where in its steps a pass looks: those of a pixel's passes fill the steps evenly.
 [[nodiscard]] inline float offset_in_step(const Turn& turn) {

@@ -12,10 +12,7 @@ namespace tyndall::light_shafts {
 template <class Visit>
 static void for_asked_beams(const PreparedLights& prepared, const Turn& turn, const Visit& visit) {
     for (const LightBeams& light : prepared.lights)
-        for_texture_strata(light.stratum_count(), turn, [&](std::size_t stratum, float weight) {
-            for (const Beam& beam : std::span(light.beams).subspan(stratum * light.parts, light.parts))
-                visit(beam, weight);
-        });
+        for_texture_beams(light, turn, visit);
 }
 
 bool PictureAir::fits(const PreparedLights& prepared, const AirTexture& air, const Turn& turn) {
