@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from .reports import Reports
 
 _FORMS = {"RIBBONS": StrandForm.RIBBON, "THICK": StrandForm.ROUND, "THICK_LINEAR": StrandForm.ROUND_LINEAR}
+#: Tubes that let light pass dim what is behind them once in 3.4's Cycles; later ones meet their far sides, too.
+_TUBES_DIM_TWICE = bpy.app.version >= (4, 0, 0)
 _CURVE_RADIUS_M, _POINT_RADIUS_M = 0.005, 0.01  #: Where there is no such attribute.
 _MOST_PIECES = 16
 _POLL_EVERY = 256  #: Hairs.
@@ -167,6 +169,7 @@ class StrandReader:
             points=points,
             first_points=firsts,
             ribbon_pieces=pieces,
+            layers=2 if form is StrandForm.ROUND and _TUBES_DIM_TWICE else 1,
             uv_maps=maps,
             randoms=randoms,
         )

@@ -238,13 +238,15 @@ make_scene(const std::array<double, 3>& origin_in_world, const std::vector<std::
 
 static std::shared_ptr<Strands> make_strands(std::string name, int form, const py::array& points,
                                              const py::array& first_points, std::uint32_t ribbon_pieces,
+                                             std::uint32_t layers,
                                              const std::vector<std::pair<std::string, py::array>>& maps,
                                              const std::optional<py::array>& randoms, const Progress& progress) {
     StrandArrays arrays{.name = std::move(name),
                         .form = static_cast<StrandForm>(form),
                         .points = to_vector<vec4, float>(points, {-1, 4}, "points"),
                         .first_points = to_vector<std::uint32_t, std::uint32_t>(first_points, {-1}, "first_points"),
-                        .ribbon_pieces = ribbon_pieces};
+                        .ribbon_pieces = ribbon_pieces,
+                        .layers = layers};
     for (const auto& [map_name, values] : maps)
         arrays.maps.push_back({map_name, to_vector<vec2, float>(values, {-1, 2}, "map " + map_name)});
     if (randoms)
@@ -298,8 +300,8 @@ corner_normals: float32 (t, 3, 3) or None; uv_maps: pairs of name and float32 (t
     py::class_<ShapeGeometry, std::shared_ptr<ShapeGeometry>>(native, "Shape", "What scenes place beside meshes.");
     py::class_<Strands, ShapeGeometry, std::shared_ptr<Strands>>(native, "Strands", "Hair, or points, with their BVH.")
         .def(
-            py::init(&make_strands), "name"_a, "form"_a, "points"_a, "first_points"_a, "ribbon_pieces"_a, "maps"_a,
-            "randoms"_a, "progress"_a,
+            py::init(&make_strands), "name"_a, "form"_a, "points"_a, "first_points"_a, "ribbon_pieces"_a, "layers"_a,
+            "maps"_a, "randoms"_a, "progress"_a,
             R"(points: float32 (n, 4), position and radius; first_points: uint32, of each strand; maps: pairs of name and
 float32 (strands, 2) or (n, 2); randoms: float32 (strands,) or None. Releases the GIL. TypeError, InvalidInput, Cancelled.)")
         .def_property_readonly("strand_count", &Strands::strand_count)

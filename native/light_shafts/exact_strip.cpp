@@ -13,7 +13,7 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress, const 
     const SceneDescription& description = scene.description();
     StripScene strip;
     strip.lookups.resize(description.materials.size());
-    std::vector<Bounds3> boxes;
+    std::vector<Bounds3> boxes, boxes_of_shapes; // of meshes and strands, and of cells, which follow
     for (std::uint32_t index = 0; index < description.instances.size(); ++index) {
         const Instance& instance = description.instances[index];
         const TriangleMesh& mesh = *description.meshes[instance.mesh_index];
@@ -38,30 +38,26 @@ StripScene make_strip_scene(const Scene& scene, const Progress& progress, const 
                                 .instance = index});
         boxes.push_back(transformed(mesh.bounds(), instance.world_from_object));
     }
-    const auto stops = [&](const PlacedShape& placed) {
-        const auto number = static_cast<std::size_t>(&placed - description.placed_shapes.data());
-        return placed.casts_shadow && stops_light(description, placed) &&
-               scene.blocks(static_cast<std::uint32_t>(description.instances.size() + number), links);
-    };
-    for (const PlacedShape& placed : description.placed_shapes) { // planes cut strands as tubes of triangles
-        const Strands* strands = description.shapes[placed.shape_index]->strands();
-        if (strands == nullptr || !stops(placed))
+    for (std::uint32_t number = 0; number < description.placed_shapes.size(); ++number) {
+        const PlacedShape& placed = description.placed_shapes[number];
+        const std::optional<std::uint32_t> shade = shade_of(description, placed);
+        if (!shade || !scene.blocks(static_cast<std::uint32_t>(description.instances.size()) + number, links))
             continue;
-        const TriangleBvh& tubes = strands->tubes(progress);
+        const ShapeGeometry& shape = *description.shapes[*shade];
+        const Strands* strands = shape.strands();
+        if (strands == nullptr) {
+            strip.shapes.push_back({.shape = shape.cells(), .world_from_object = placed.world_from_object});
+            boxes_of_shapes.push_back(bounds_of(description, placed));
+            continue;
+        }
+        const TriangleBvh& tubes = strands->tubes(progress); // planes cut strands as tubes of triangles
         strip.meshes.push_back({.bvh = &tubes,
                                 .world_from_object = placed.world_from_object,
                                 .occlusion_of_slot = {},
                                 .slot_of_triangle = {}});
         boxes.push_back(transformed(tubes.bounds(), placed.world_from_object));
     }
-    for (const PlacedShape& placed : description.placed_shapes)
-        if (stops(placed)) {
-            const ShapeGeometry& shape = *description.shapes[placed.shape_index];
-            if (shape.strands() != nullptr)
-                continue;
-            strip.shapes.push_back({.shape = shape.cells(), .world_from_object = placed.world_from_object});
-            boxes.push_back(bounds_of(description, placed));
-        }
+    boxes.insert(boxes.end(), boxes_of_shapes.begin(), boxes_of_shapes.end());
     for (Bounds3& box : boxes) {
         const vec3 reach = glm::max(glm::abs(box.min), glm::abs(box.max));
         strip.top_reach = glm::max(strip.top_reach, reach);

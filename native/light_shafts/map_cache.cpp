@@ -124,7 +124,7 @@ public:
 
     void feed_shape(std::uint32_t placed_index) {
         const PlacedShape& placed = scene_.placed_shapes[placed_index];
-        feed_part(scene_.shapes[placed.shape_index]);
+        feed_part(scene_.shapes[shade_of(scene_, placed).value_or(placed.shape_index)]);
         for (int column = 0; column < 4; ++column)
             digest.feed(vec3(placed.world_from_object[column]));
     }

@@ -242,8 +242,8 @@ static void gather_shapes(const SceneDescription& scene, const Occluders* anothe
                           const Progress& progress) {
     std::vector<std::vector<std::uint32_t>> placed_of(scene.shapes.size());
     for (std::uint32_t i = 0; i < scene.placed_shapes.size(); ++i)
-        if (const PlacedShape& placed = scene.placed_shapes[i]; placed.casts_shadow && stops_light(scene, placed))
-            placed_of[placed.shape_index].push_back(i);
+        if (const std::optional<std::uint32_t> shade = shade_of(scene, scene.placed_shapes[i]))
+            placed_of[*shade].push_back(i);
     std::vector<std::uint32_t> traced;
     for (std::size_t index = 0; index < placed_of.size(); ++index) {
         progress.poll();

@@ -48,7 +48,8 @@ static double row_s_of_triangles(const SceneDescription& description, bool has_m
 static double row_s_of_shapes(const SceneDescription& description, bool has_maps) {
     std::vector<std::size_t> place_counts(description.shapes.size());
     for (const PlacedShape& placed : description.placed_shapes)
-        place_counts[placed.shape_index] += placed.casts_shadow;
+        if (const std::optional<std::uint32_t> shade = shade_of(description, placed))
+            ++place_counts[*shade];
     double seconds = 0.0;
     bool is_traced = false;
     for (std::size_t index = 0; index < place_counts.size(); ++index) {

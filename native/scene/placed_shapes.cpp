@@ -17,6 +17,13 @@ bool stops_light(const SceneDescription& scene, const PlacedShape& placed) {
     return material.has_surface && !is_transparent_everywhere(material);
 }
 
+std::optional<std::uint32_t> shade_of(const SceneDescription& scene, const PlacedShape& placed) {
+    const auto index = placed.shade_index < 0 ? placed.shape_index : static_cast<std::uint32_t>(placed.shade_index);
+    if (!placed.casts_shadow || !stops_light(scene, placed) || scene.shapes[index]->bounds().is_empty())
+        return std::nullopt;
+    return index;
+}
+
 ShapeTracer::ShapeTracer(const SceneDescription& scene, std::vector<std::uint32_t> placed, const Progress& progress)
     : placed_(std::move(placed)), reach_m_(largest_coordinate_m), embree_scene_(rtcNewScene(embree_device())) {
     rtcSetSceneFlags(embree_scene_, traced_scene_flags);
@@ -24,8 +31,8 @@ ShapeTracer::ShapeTracer(const SceneDescription& scene, std::vector<std::uint32_
         const PlacedShape& shape = scene.placed_shapes[placed_[i]];
         bounds_.grow(bounds_of(scene, shape));
         reach_m_ = std::min(reach_m_, reach_m(inverse_of(shape.world_from_object)));
-        attach_instance(embree_scene_, scene.shapes[shape.shape_index]->embree_scene(), shape.world_from_object, i,
-                        ~0u);
+        if (const std::optional<std::uint32_t> shade = shade_of(scene, shape))
+            attach_instance(embree_scene_, scene.shapes[*shade]->embree_scene(), shape.world_from_object, i, ~0u);
     }
     try {
         commit(embree_scene_, "voxels and strands that cast shadows", progress);

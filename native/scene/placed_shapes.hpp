@@ -5,6 +5,8 @@
 #include "core/progress.hpp"
 #include "scene/cell_geometry.hpp"
 #include "scene/lit_kinds.hpp"
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,6 +24,7 @@ struct PlacedShape {
     bool is_held_out = false;       ///< What of it cameras see is cut out of the picture.
     bool is_shadow_catcher = false; ///< Of it cameras see only the shadows that others cast on it.
     float random = 0.0f;            ///< As Instance's.
+    std::int32_t shade_index = -1;  ///< Which shape shades the air in its place, set by the scene; -1: it does itself.
     /// The same.
     [[nodiscard]] LitKinds lights_surfaces() const { return {is_bounce_visible, is_mirror_visible, is_glass_visible}; }
     bool operator==(const PlacedShape&) const = default;
@@ -31,8 +34,10 @@ struct SceneDescription; // scene/scene.hpp
 
 /// In the scene's space.
 [[nodiscard]] Bounds3 bounds_of(const SceneDescription& scene, const PlacedShape& placed);
-/// Whether light is stopped by it: voxels are opaque, unless all of it is to pass.
+/// Whether light is stopped by it, or a part of it: voxels are opaque, unless all of it is to pass.
 [[nodiscard]] bool stops_light(const SceneDescription& scene, const PlacedShape& placed);
+/// What of it shades the air, index into SceneDescription::shapes; nothing: no part of it.
+[[nodiscard]] std::optional<std::uint32_t> shade_of(const SceneDescription& scene, const PlacedShape& placed);
 
 /// Some placed shapes with an Embree scene of their own.
 class ShapeTracer {

@@ -21,7 +21,9 @@ Scene::Scene(SceneDescription description, const Progress& progress)
     description.world = {};
     const StageTimer timer(statistics_, "scene");
     progress.poll();
-    geometry_ = std::make_shared<const Geometry>(std::move(description), progress);
+    const auto geometry = std::make_shared<Geometry>(std::move(description), progress);
+    geometry_ = geometry;
+    geometry->narrow_strands(*this, progress);
     statistics_.append(geometry_->statistics);
     drop_unusable_lights();
 }
@@ -140,12 +142,6 @@ void Scene::Geometry::validate() const {
                 " and channel ", volume.channel, " of its grid");
     require(scene.world_medium_index >= -1 && scene.world_medium_index < medium_count, "the world asks for medium ",
             scene.world_medium_index, " of ", medium_count);
-}
-
-static std::string kind_of(const ShapeGeometry& shape) {
-    if (shape.cells() != nullptr)
-        return "voxels";
-    return shape.strands()->form() == StrandForm::Spheres ? "points" : "strands";
 }
 
 static const char* why_empty(const ShapeGeometry& shape) {
@@ -340,11 +336,15 @@ void Scene::Geometry::attach_instances(const Progress& progress) {
         shape_lengths[i] = 1.0f / longest_edge;
         if (!stops_light(description, placed))
             continue;
-        if (!is_opaque_everywhere(description.materials[placed.material_index]))
-            statistics.report("object '" + description.object_names[placed.name_index] +
-                              "': its material lets a part of the light pass, but " + kind_of(shape) + " are opaque");
         surface_bounds.grow(box);
         const unsigned int mask = mask_of(placed);
+        if (!is_opaque_everywhere(description.materials[placed.material_index])) {
+            if (shape.cells() != nullptr)
+                statistics.report("object '" + description.object_names[placed.name_index] +
+                                  "': its material lets a part of the light pass, but voxels are opaque");
+            else
+                lets_light_pass = true;
+        }
         tells_rays_apart |= tyndall::tells_rays_apart(mask);
         trees.take(shape.embree_scene(), placed.world_from_object, static_cast<std::uint32_t>(index), mask);
     }

@@ -235,6 +235,8 @@ public:
     [[nodiscard]] Rgb emission_of(const CellLook& look, const Ray& ray, RayKind kind, const Hit& hit) const;
     /// closures().transparent alone, as rays of this kind see it, at less cost.
     [[nodiscard]] Rgb transparency(const Ray& ray, const Hit& hit, RayKind kind = RayKind::Shadow) const;
+    /// What of a ray that passes the hit on its way to light is left: see StrandArrays::layers.
+    [[nodiscard]] Rgb passing_share(const Ray& ray, const Hit& hit, RayKind kind = RayKind::Shadow) const;
     /// Wherever, and by whichever ray of light, such a hit is met, it lets nothing pass.
     [[nodiscard]] bool is_opaque(const Hit& hit) const;
 
@@ -300,6 +302,9 @@ private:
                                              const Material& surface) const;
     [[nodiscard]] const SharedMeshArrays& mesh_of(std::uint32_t instance) const; ///< Of one that has a mesh.
     [[nodiscard]] ShadingPoint shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const;
+    /// Appends the values of the material's UV maps and attributes.
+    void look_up_uvs(const AskingRay& asking, const ProgramPoint& at, const Hit& hit, const Material& surface,
+                     std::vector<vec2>& uvs) const;
     [[nodiscard]] const ShapeGeometry& shape_of(const PlacedShape& placed) const;
     struct Geometry {
         SceneDescription description; ///< Its lights and world are moved out.
@@ -327,6 +332,8 @@ private:
         void validate() const;
         void drop_unusable_instances();
         void set_blocker_bits();
+        /// Finds what shades the air in place of strands that let a part of the light pass; `scene` has this geometry.
+        void narrow_strands(const Scene& scene, const Progress& progress);
         void report_unusable_strands(const Strands& strands);
         void drop_unusable_volumes();
         void attach_instances(const Progress& progress);

@@ -224,12 +224,18 @@ ProgramPoint Scene::program_point(const AskingRay& asking, const ShadingPoint& p
     return at;
 }
 
-/// What of `way` is at right angles to a strand, of unit length; of a sphere, which has no tangent, 0.
-static vec3 across(const vec3& tangent, const vec3& way) {
-    const float squared = glm::dot(tangent, tangent);
-    const vec3 share = squared > 0.0f ? way - glm::dot(way, tangent) / squared * tangent : vec3(0.0f);
-    const float length = glm::length(share);
-    return length > 0.0f ? share / length : vec3(0.0f);
+void Scene::look_up_uvs(const AskingRay& asking, const ProgramPoint& at, const Hit& hit, const Material& surface,
+                        std::vector<vec2>& uvs) const {
+    const PlacedShape* const placed = placed_shape(hit.instance);
+    if (placed == nullptr)
+        return tyndall::look_up_uvs(mesh_of(hit.instance), surface, hit.triangle, hit.barycentrics,
+                                    description().instances[hit.instance].world_from_object, uvs);
+    const ShapeGeometry& shape = shape_of(*placed);
+    if (const Strands* const strands = shape.strands())
+        look_up_strand(*strands, mat3(placed->world_from_object), asking.ray.direction, at.object_position, hit,
+                       surface.uv_map_names, uvs);
+    else
+        tyndall::look_up_uvs(*shape.cells(), shape.cells()->look(hit.cell), surface, uvs);
 }
 
 SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& point, const Hit& hit,
@@ -252,34 +258,22 @@ SurfaceClosures Scene::closures(const AskingRay& asking, const ShadingPoint& poi
         const SceneSurroundings surroundings(*this, asking, point, hit);
         if (asking.random)
             at.surroundings = &surroundings;
-        if (const Strands* strands = placed != nullptr ? shape_of(*placed).strands() : nullptr) {
-            const auto segment = static_cast<std::uint32_t>(hit.cell);
-            const vec3 tangent =
-                mat3(placed->world_from_object) * strands->on_spline(segment, hit.barycentrics.x).tangent;
-            for (const std::string& name : surface.uv_map_names)
-                uvs.push_back(strands->look_up(name, segment, hit.barycentrics, across(tangent, -asking.ray.direction),
-                                               tangent, at.object_position));
-        } else if (placed != nullptr) {
-            const CellShape& shape = *shape_of(*placed).cells();
-            look_up_uvs(shape, shape.look(hit.cell), surface, uvs);
-        } else {
+        look_up_uvs(asking, at, hit, surface, uvs);
+        if (placed == nullptr && at.footprint_m > 0.0f && reads_beside(surface)) {
             const SharedMeshArrays& mesh = mesh_of(hit.instance);
             const mat4& world_from_object = description().instances[hit.instance].world_from_object;
-            look_up_uvs(mesh, surface, hit.triangle, hit.barycentrics, world_from_object, uvs);
-            if (at.footprint_m > 0.0f && reads_beside(surface)) {
-                const uvec3& corners = mesh.triangles[hit.triangle];
-                const mat3 to_scene(world_from_object);
-                const vec3 first_edge = to_scene * (mesh.positions[corners.y] - mesh.positions[corners.x]),
-                           second_edge = to_scene * (mesh.positions[corners.z] - mesh.positions[corners.x]);
-                for (const vec3& step : pixel_steps(at))
-                    look_up_uvs(mesh, surface, hit.triangle,
-                                hit.barycentrics + barycentric_step(first_edge, second_edge, step), world_from_object,
-                                uvs);
-            }
+            const uvec3& corners = mesh.triangles[hit.triangle];
+            const mat3 to_scene(world_from_object);
+            const vec3 first_edge = to_scene * (mesh.positions[corners.y] - mesh.positions[corners.x]),
+                       second_edge = to_scene * (mesh.positions[corners.z] - mesh.positions[corners.x]);
+            for (const vec3& step : pixel_steps(at))
+                tyndall::look_up_uvs(mesh, surface, hit.triangle,
+                                     hit.barycentrics + barycentric_step(first_edge, second_edge, step),
+                                     world_from_object, uvs);
         }
         closures = evaluate(surface, at, uvs, lobes);
     }
-    if (placed != nullptr)
+    if (placed != nullptr && shape_of(*placed).cells() != nullptr)
         closures.transparent = Rgb(0.0f);
     return closures;
 }
@@ -294,7 +288,7 @@ Rgb Scene::emission_of(const CellLook& look, const Ray& ray, RayKind kind, const
     point.view_cosine = view_cosine(point, ray);
     thread_local std::vector<vec2> uvs;
     uvs.clear();
-    look_up_uvs(*shape_of(*placed_shape(hit.instance)).cells(), look, surface, uvs);
+    tyndall::look_up_uvs(*shape_of(*placed_shape(hit.instance)).cells(), look, surface, uvs);
     return evaluate(surface, program_point({.ray = ray, .kind = kind, .is_of_light = true}, point, hit, surface), uvs)
         .emission;
 }
@@ -304,14 +298,16 @@ SurfaceClosures Scene::closures(const Ray& ray, const Hit& hit) const {
 }
 
 bool Scene::is_opaque(const Hit& hit) const {
-    if (placed_shape(hit.instance) != nullptr)
+    const PlacedShape* const placed = placed_shape(hit.instance);
+    if (placed != nullptr && shape_of(*placed).cells() != nullptr)
         return true;
     const Material& surface = material(hit.instance, hit.triangle);
     return surface.has_surface && is_opaque_everywhere(surface);
 }
 
 Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {
-    if (placed_shape(hit.instance) != nullptr)
+    const PlacedShape* const placed = placed_shape(hit.instance);
+    if (placed != nullptr && shape_of(*placed).cells() != nullptr)
         return Rgb(0.0f);
     const Material& surface = material(hit.instance, hit.triangle);
     if (!surface.has_surface)
@@ -320,16 +316,23 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {
         return surface.constant.transparent;
     if (is_opaque_everywhere(surface))
         return Rgb(0.0f);
+    const Hit with_normal = in_scene(ray, hit);
+    const AskingRay asking{.ray = ray, .kind = kind};
+    const ShadingPoint point = shading_point(ray, with_normal);
+    const ProgramPoint at = program_point(asking, point, with_normal, surface);
     thread_local std::vector<vec2> uvs;
     uvs.clear();
-    look_up_uvs(mesh_of(hit.instance), surface, hit.triangle, hit.barycentrics,
-                description().instances[hit.instance].world_from_object, uvs);
-    Hit with_normal = hit;
-    with_normal.geometric_normal = glm::normalize(normal_in_scene(hit.instance, hit.geometric_normal));
-    const AskingRay asking{.ray = ray, .kind = kind};
+    look_up_uvs(asking, at, with_normal, surface, uvs);
     return evaluate_transparent(
         surface, geometry_->transparent_operations[static_cast<std::size_t>(&surface - description().materials.data())],
-        program_point(asking, shading_point(ray, with_normal), with_normal, surface), uvs);
+        at, uvs);
+}
+
+Rgb Scene::passing_share(const Ray& ray, const Hit& hit, RayKind kind) const {
+    const Rgb once = transparency(ray, hit, kind);
+    const PlacedShape* const placed = placed_shape(hit.instance);
+    const Strands* const strands = placed != nullptr ? shape_of(*placed).strands() : nullptr;
+    return strands != nullptr && strands->layers() == 2 ? once * once : once;
 }
 
 SpawnPoint Scene::spawn_point(const Hit& hit) const {

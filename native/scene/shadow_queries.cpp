@@ -34,7 +34,7 @@ static void attenuate(const RTCFilterFunctionNArguments* arguments) {
             continue;
         }
         dvec3& passing = context.passing[ray.id];
-        passing *= dvec3(context.scene.transparency(context.rays[ray.id], hit_of(ray, hit), context.kind));
+        passing *= dvec3(context.scene.passing_share(context.rays[ray.id], hit_of(ray, hit), context.kind));
         if (Rgb(passing) != Rgb(0.0f))
             arguments->valid[lane] = 0;
     }
@@ -61,7 +61,7 @@ static void let_pass_in_order(const QueryContext& context) {
         before = index > 0 && (*context.waiting)[index - 1].ray == id ? before + 1 : 0;
         Ray asking = context.rays[id];
         asking.passed_count += before;
-        context.passing[id] *= dvec3(context.scene.transparency(asking, hit, context.kind));
+        context.passing[id] *= dvec3(context.scene.passing_share(asking, hit, context.kind));
     }
 }
 

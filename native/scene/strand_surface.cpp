@@ -66,6 +66,23 @@ vec3 strand_arrival_point(const Strands& strands, const mat4& scene_from_object,
     return spawn.position - (2.0f * surface_of(strands, hit, scene_from_object).radius_m + spawn.offset_m) * direction;
 }
 
+/// What of `way` is at right angles to a strand, of unit length; of a sphere, which has no tangent, 0.
+static vec3 across(const vec3& tangent, const vec3& way) {
+    const float squared = glm::dot(tangent, tangent);
+    const vec3 share = squared > 0.0f ? way - glm::dot(way, tangent) / squared * tangent : vec3(0.0f);
+    const float length = glm::length(share);
+    return length > 0.0f ? share / length : vec3(0.0f);
+}
+
+void look_up_strand(const Strands& strands, const mat3& scene_from_object, const vec3& direction, const vec3& in_object,
+                    const Hit& hit, std::span<const std::string> names, std::vector<vec2>& values) {
+    const auto segment = static_cast<std::uint32_t>(hit.cell);
+    const vec3 tangent = scene_from_object * strands.on_spline(segment, hit.barycentrics.x).tangent;
+    for (const std::string& name : names)
+        values.push_back(
+            strands.look_up(name, segment, hit.barycentrics, across(tangent, -direction), tangent, in_object));
+}
+
 SpawnPoint other_side_spawn_point(const Scene& scene, const Hit& hit, const SpawnPoint& spawn) {
     const PlacedShape* placed = scene.placed_shape(hit.instance);
     const Strands* strands = placed != nullptr ? scene.description().shapes[placed->shape_index]->strands() : nullptr;

@@ -4,12 +4,18 @@
 #pragma once
 #include "scene/scene.hpp"
 #include "scene/strands.hpp"
+#include <span>
+#include <string>
+#include <vector>
 
 namespace tyndall {
 /// Without view_cosine. Normals of spheres point away from their middle, as in Cycles, under uneven scales, too, where
 /// they are ellipsoids.
 [[nodiscard]] ShadingPoint strand_shading_point(const Strands& strands, const mat4& scene_from_object, const Ray& ray,
                                                 const Hit& hit);
+/// Appends what a program reads there under each name; direction: the ray's, in the scene's space.
+void look_up_strand(const Strands& strands, const mat3& scene_from_object, const vec3& direction, const vec3& in_object,
+                    const Hit& hit, std::span<const std::string> names, std::vector<vec2>& values);
 /// Of rays on the side that was met; a sphere shades nothing of itself, whichever way they go.
 [[nodiscard]] SpawnPoint strand_spawn_point(const Strands& strands, const mat4& scene_from_object, const Hit& hit);
 

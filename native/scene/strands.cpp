@@ -20,6 +20,8 @@ static void validate(const StrandArrays& arrays) {
             " points are too many");
     require(arrays.ribbon_pieces >= 1 && arrays.ribbon_pieces <= 16, "strands '", arrays.name,
             "': ", arrays.ribbon_pieces, " pieces of a segment are not in [1, 16]");
+    require(arrays.layers == 1 || arrays.layers == 2, "strands '", arrays.name, "': ", arrays.layers,
+            " layers of a strand are neither 1 nor 2");
     const bool has_strands = arrays.form != StrandForm::Spheres;
     require(has_strands || arrays.first_points.empty(), "points '", arrays.name, "': spheres have no strands");
     const std::size_t count = has_strands ? arrays.first_points.size() : arrays.points.size();
@@ -54,7 +56,8 @@ static bool has_extent(std::span<const vec4> points) {
 
 /// And doubles the ends of what is kept.
 void Strands::drop_unusable() {
-    StrandArrays kept{.name = arrays_.name, .form = arrays_.form, .ribbon_pieces = arrays_.ribbon_pieces};
+    StrandArrays kept{
+        .name = arrays_.name, .form = arrays_.form, .ribbon_pieces = arrays_.ribbon_pieces, .layers = arrays_.layers};
     for (const StrandArrays::Map& map : arrays_.maps)
         kept.maps.push_back({.name = map.name, .values = {}});
     const bool has_strands = arrays_.form != StrandForm::Spheres;

@@ -32,6 +32,9 @@ struct StrandArrays {
     /// Of each strand its first point, ascending from 0. Of spheres nothing.
     std::vector<std::uint32_t> first_points = {};
     std::uint32_t ribbon_pieces = 4; ///< Straight pieces that Embree makes of a ribbon's segment, [1, 16].
+    /// How often a ray on its way to light is dimmed by a strand that it passes, {1, 2}: also where it leaves a tube, as in
+    /// Cycles from 4.0 on. Camera rays see the near side alone there, too.
+    std::uint32_t layers = 1;
     struct Map {
         std::string name;         ///< As those of a mesh: see SharedMeshArrays::uv_maps.
         std::vector<vec2> values; ///< One per strand, or sphere; or one per point, straight between them.
@@ -62,6 +65,8 @@ public:
     [[nodiscard]] const Strands* strands() const override { return this; }
 
     [[nodiscard]] StrandForm form() const { return arrays_.form; }
+    [[nodiscard]] std::uint32_t ribbon_pieces() const { return arrays_.ribbon_pieces; }
+    [[nodiscard]] std::uint32_t layers() const { return arrays_.layers; }
     [[nodiscard]] bool are_splines() const { return form() == StrandForm::Ribbon || form() == StrandForm::Round; }
     [[nodiscard]] std::size_t strand_count() const; ///< Or spheres.
     [[nodiscard]] std::size_t segment_count() const;

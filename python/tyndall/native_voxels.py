@@ -86,6 +86,7 @@ def _build_strands(
                     strands.points,
                     strands.first_points,
                     strands.ribbon_pieces,
+                    strands.layers,
                     strands.uv_maps,
                     strands.randoms,
                     progress,

@@ -127,6 +127,7 @@ class Strands:
     points: FloatArray  #: (points, 4), metres: position and radius.
     first_points: NDArray[np.uint32]  #: (strands,), ascending from 0; of SPHERES empty.
     ribbon_pieces: int = 4  #: Straight pieces that a ribbon's segment is made of, [1, 16].
+    layers: int = 1  #: How often a strand dims a ray that passes it on its way to light, 1 or 2.
     #: As those of Mesh, with one (strands, 2) or (points, 2) each; of points straight between them.
     uv_maps: tuple[tuple[str, FloatArray], ...] = ()
     randoms: FloatArray | None = None  #: Likewise, [0, 1), for materials that ask.
