@@ -192,11 +192,11 @@ class _Grouping:
         self._limited = {thing for thing in depsgraph.objects if self._is_limited(thing)}
 
     def _is_limited(self, thing: Object) -> bool:
-        """Whether it is hidden from something, or lit by itself, and what it instances with it."""
+        """Whether it is hidden from something, lit by itself, or catches shadows, and what it instances with it."""
         is_seen_by_all = self._is_camera_visible(thing) and all(
             getattr(thing, switch) for switch in (*OTHER_RAYS, "visible_volume_scatter")
         )
-        if not is_seen_by_all or self._lighting.concerns(thing):
+        if not is_seen_by_all or thing.is_shadow_catcher or self._lighting.concerns(thing):
             return True
         return self._is_held_out(thing) or self._is_hidden(thing)
 

@@ -114,6 +114,18 @@ def by_an_instancer() -> bpy.types.Scene:
     return scene
 
 
+def by_an_instancer_of_what_stands() -> bpy.types.Scene:
+    """The slab is seen, and its copy catches its shadow. Seen to fail: the copy was as the slab."""
+    scene, _, slab = stage()
+    sun()
+    collection = bpy.data.collections.new("Slab")
+    collection.objects.link(slab)
+    empty = add("Instancer", None)
+    empty.instance_type, empty.instance_collection, empty.is_shadow_catcher = "COLLECTION", collection, True
+    empty.location = (-0.6, 0.3, -0.7)
+    return scene
+
+
 def among_glowing_things() -> bpy.types.Scene:
     """What glows brightens what a catcher shows, and never makes it darker."""
     scene, _, slab = stage((0.0, 0.0, 0.0))
@@ -149,12 +161,13 @@ SCENES = [
     on_gloss,
     by_an_area_light,
     by_an_instancer,
+    by_an_instancer_of_what_stands,
     among_glowing_things,
     held_out,
 ]
 
 
-@pytest.mark.parametrize("build", [*SCENES[:2], *SCENES[4:7], behind_fog], ids=lambda build: build.__name__)
+@pytest.mark.parametrize("build", [*SCENES[:2], *SCENES[4:8], behind_fog], ids=lambda build: build.__name__)
 def test_an_opaque_film_shows_the_world_through_the_shadow(build: Callable[[], bpy.types.Scene]) -> None:
     """As a compositor does that puts it behind the picture of a transparent film."""
     scene = build()
