@@ -121,8 +121,10 @@ void append_partial_shadows(const Scene& scene, const StripScene& strip, const P
     const Instance& instance = description.instances[mesh.instance];
     const SharedMeshArrays& arrays = description.meshes[instance.mesh_index]->arrays();
     const Material& material = scene.material(mesh.instance, cut.triangle);
-    if (material.is_constant()) {
-        shadows.push_back({cut.near_m, cut.far_m, material.constant.transparent});
+    const TransparencyLookup& lookup =
+        *strip.lookups[static_cast<std::size_t>(&material - description.materials.data())];
+    if (lookup.constant()) {
+        shadows.push_back({cut.near_m, cut.far_m, *lookup.constant()});
         return;
     }
     const uvec3& triangle = arrays.triangles[cut.triangle];
@@ -131,8 +133,6 @@ void append_partial_shadows(const Scene& scene, const StripScene& strip, const P
     BarycentricCut at;
     if (!cut_between_ray_and_light(ray.coordinates.in_object(instance.world_from_object), corners, ray, at))
         return;
-    const TransparencyLookup& lookup =
-        *strip.lookups[static_cast<std::size_t>(&material - description.materials.data())];
     thread_local std::vector<double> borders;
     borders.assign({0.0});
     bool is_straight = false;

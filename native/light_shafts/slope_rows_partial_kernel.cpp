@@ -60,8 +60,8 @@ static std::uint32_t stopped(const PartialSurface& surface, const Weights& weigh
     };
     const TransparencyLookup& lookup = *surface.slot->lookup;
     std::uint32_t stops = 0;
-    if (lookup.material().is_constant()) {
-        const float transmittance = lookup.material().constant.transparent[surface.channel];
+    if (lookup.constant()) {
+        const float transmittance = (*lookup.constant())[surface.channel];
         for (std::uint32_t left = bits(asked); left != 0; left &= left - 1) {
             const int lane = __builtin_ctz(left);
             stops |= static_cast<std::uint32_t>(surface.stops(transmittance, first_line + lane)) << lane;

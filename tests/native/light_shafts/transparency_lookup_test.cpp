@@ -69,6 +69,24 @@ TEST_CASE("opacity that is an image's alpha needs no program; a bent one does, a
     CHECK(at(lookup, {}, false) == Rgb(0.0f));
     CHECK(at(lookup, {}, true) == Rgb(1.0f));
 }
+
+TEST_CASE("what nothing of a point decides is known without a program: of all such materials, and of no other") {
+    Material mixed = disc_alpha();
+    mixed.program = {{.code = SurfaceOp::Code::Constant, .out = 0, .value = Rgb(0.5f, 0.75f, 1.0f)},
+                     {.code = SurfaceOp::Code::Multiply, .out = 1, .a = 0, .b = 0},
+                     {.code = SurfaceOp::Code::Texture, .out = 2}}; // of what scatters the rest
+    mixed.diffuse_register = 2;
+    mixed.transparent_register = 1;
+    const TransparencyLookup lookup(mixed);
+    REQUIRE(lookup.constant());
+    CHECK(*lookup.constant() == at(lookup, {}, false));
+    CHECK(*lookup.constant() == Rgb(0.25f, 0.5625f, 1.0f));
+    const Material even{.name = "even", .constant = {.transparent = Rgb(0.3f)}};
+    CHECK(TransparencyLookup(even).constant() == Rgb(0.3f));
+    for (const Material& other : {disc_alpha(), gradient_alpha(), one_way()})
+        CHECK_FALSE(TransparencyLookup(other).constant());
+}
+
 /// What passes is the image's colour: a stained pane.
 static Material pane() {
     Texture texture{.name = "pane", .width = 5, .height = 3};
