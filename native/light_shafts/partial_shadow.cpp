@@ -173,7 +173,7 @@ void append_partial_shadows(const Scene& scene, const StripScene& strip, const P
                       .triangle = cut.triangle,
                       .barycentrics = vec2(at.from + share * (at.to - at.from)),
                       .geometric_normal = normal_in_object};
-        return scene.transparency(shadow_ray, hit);
+        return scene.passing_share(shadow_ray, hit);
     };
     // Most neighbours stop all light, or none: their shadows are one.
     double first = 0.0;

@@ -38,15 +38,15 @@ static float opaque_share(const Scene& scene, const Strands& strands, std::uint3
                           float along) {
     const PlacedShape& placed = *scene.placed_shape(instance);
     const StrandPoint at = strands.on_spline(segment, along);
-    const vec3 tangent = mat3(placed.world_from_object) * at.tangent;
-    const vec3 normal = orthonormal_basis(unit_or(tangent, {0, 0, 1})).first;
+    const vec3 across = orthonormal_basis(unit_or(at.tangent, {0, 0, 1})).first;
+    const vec3 aside = unit_or(mat3(placed.world_from_object) * across, {0, 0, 1});
     const vec3 position(placed.world_from_object * vec4(at.centre, 1.0f));
-    const Ray ray{.origin = position + normal, .direction = -normal};
+    const Ray ray{.origin = position + aside, .direction = -aside};
     const Hit hit{.distance_m = 1.0f,
                   .instance = instance,
                   .cell = segment,
                   .barycentrics = vec2(along, 0.0f),
-                  .geometric_normal = normal};
+                  .geometric_normal = across};
     return std::clamp(1.0f - average(scene.passing_share(ray, hit)), 0.0f, 1.0f);
 }
 

@@ -23,8 +23,8 @@ struct PlacedShape {
     bool lights_media = true;       ///< Its light falls on media.
     bool is_held_out = false;       ///< What of it cameras see is cut out of the picture.
     bool is_shadow_catcher = false; ///< Of it cameras see only the shadows that others cast on it.
-    float random = 0.0f;            ///< As Instance's.
     std::int32_t shade_index = -1;  ///< Which shape shades the air in its place, set by the scene; -1: it does itself.
+    float random = 0.0f;            ///< As Instance's.
     /// The same.
     [[nodiscard]] LitKinds lights_surfaces() const { return {is_bounce_visible, is_mirror_visible, is_glass_visible}; }
     bool operator==(const PlacedShape&) const = default;

@@ -235,7 +235,8 @@ public:
     [[nodiscard]] Rgb emission_of(const CellLook& look, const Ray& ray, RayKind kind, const Hit& hit) const;
     /// closures().transparent alone, as rays of this kind see it, at less cost.
     [[nodiscard]] Rgb transparency(const Ray& ray, const Hit& hit, RayKind kind = RayKind::Shadow) const;
-    /// What of a ray that passes the hit on its way to light is left: see StrandArrays::layers.
+    /// What is left of a ray that passes a hit on its way to light, see StrandArrays::layers. The hit's normal is as Embree
+    /// tells it, in object space and of any length.
     [[nodiscard]] Rgb passing_share(const Ray& ray, const Hit& hit, RayKind kind = RayKind::Shadow) const;
     /// Wherever, and by whichever ray of light, such a hit is met, it lets nothing pass.
     [[nodiscard]] bool is_opaque(const Hit& hit) const;
@@ -301,6 +302,7 @@ private:
     [[nodiscard]] ProgramPoint program_point(const AskingRay& asking, const ShadingPoint& point, const Hit& hit,
                                              const Material& surface) const;
     [[nodiscard]] const SharedMeshArrays& mesh_of(std::uint32_t instance) const; ///< Of one that has a mesh.
+    [[nodiscard]] std::optional<Rgb> even_transparency(const Hit& hit) const; ///< Nothing: it differs between points.
     [[nodiscard]] ShadingPoint shading_point(const PlacedShape& placed, const Ray& ray, const Hit& hit) const;
     /// Appends the values of the material's UV maps and attributes.
     void look_up_uvs(const AskingRay& asking, const ProgramPoint& at, const Hit& hit, const Material& surface,

@@ -305,7 +305,7 @@ bool Scene::is_opaque(const Hit& hit) const {
     return surface.has_surface && is_opaque_everywhere(surface);
 }
 
-Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {
+std::optional<Rgb> Scene::even_transparency(const Hit& hit) const {
     const PlacedShape* const placed = placed_shape(hit.instance);
     if (placed != nullptr && shape_of(*placed).cells() != nullptr)
         return Rgb(0.0f);
@@ -314,22 +314,27 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {
         return Rgb(1.0f);
     if (surface.is_constant())
         return surface.constant.transparent;
-    if (is_opaque_everywhere(surface))
-        return Rgb(0.0f);
-    const Hit with_normal = in_scene(ray, hit);
+    return is_opaque_everywhere(surface) ? std::optional(Rgb(0.0f)) : std::nullopt;
+}
+
+Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {
+    if (const std::optional<Rgb> even = even_transparency(hit))
+        return *even;
+    const Material& surface = material(hit.instance, hit.triangle);
     const AskingRay asking{.ray = ray, .kind = kind};
-    const ShadingPoint point = shading_point(ray, with_normal);
-    const ProgramPoint at = program_point(asking, point, with_normal, surface);
+    const ShadingPoint point = shading_point(ray, hit);
+    const ProgramPoint at = program_point(asking, point, hit, surface);
     thread_local std::vector<vec2> uvs;
     uvs.clear();
-    look_up_uvs(asking, at, with_normal, surface, uvs);
+    look_up_uvs(asking, at, hit, surface, uvs);
     return evaluate_transparent(
         surface, geometry_->transparent_operations[static_cast<std::size_t>(&surface - description().materials.data())],
         at, uvs);
 }
 
 Rgb Scene::passing_share(const Ray& ray, const Hit& hit, RayKind kind) const {
-    const Rgb once = transparency(ray, hit, kind);
+    const std::optional<Rgb> even = even_transparency(hit);
+    const Rgb once = even ? *even : transparency(ray, in_scene(ray, hit), kind);
     const PlacedShape* const placed = placed_shape(hit.instance);
     const Strands* const strands = placed != nullptr ? shape_of(*placed).strands() : nullptr;
     return strands != nullptr && strands->layers() == 2 ? once * once : once;
