@@ -4,6 +4,7 @@
 #include "scene/scene.hpp"
 #include "scene/strands.hpp"
 #include "support/close_to.hpp"
+#include "support/forest.hpp"
 #include "support/scenes.hpp"
 #include <cmath>
 #include <doctest/doctest.h>
