@@ -12,7 +12,7 @@
 namespace tyndall {
 class Strands;
 
-/// What light finds of a strand: share of its width, or of a sphere's disc, by a segment and how far along it, [0, 1].
+/// Which share of a strand's width, or of a sphere's disc, light finds opaque, by a segment and how far along it, [0, 1].
 using OpaqueShare = std::function<float(std::uint32_t segment, float along)>;
 
 /// Without maps; what is left with no width anywhere is left out, so that nothing may remain. Throws Cancelled.
