@@ -57,7 +57,7 @@ void Scene::Geometry::narrow_strands(const Scene& scene, const Progress& progres
     for (std::uint32_t i = 0; i < description.placed_shapes.size(); ++i) {
         PlacedShape& placed = description.placed_shapes[i];
         const Strands* const strands = description.shapes[placed.shape_index]->strands();
-        if (strands == nullptr || !placed.casts_shadow || !stops_light(description, placed) ||
+        if (strands == nullptr || !shade_of(description, placed) ||
             is_opaque_everywhere(description.materials[placed.material_index]))
             continue;
         const auto [found, is_new] =

@@ -194,14 +194,13 @@ def partly_clear(name: str, info: str = "") -> bpy.types.Material:
     """Diffuse, of which a tinted part lets light pass: 0.6 of it, or what Hair Info's output says."""
 
     def shader(new, link):  # noqa: ANN001, ANN202
-        mix = node(new, "ShaderNodeMixShader", Fac=0.4)
+        mix = node(new, "ShaderNodeMixShader", Fac=0.6)
         if info:
             link(new("ShaderNodeHairInfo").outputs[info], mix.inputs["Fac"])
         solid = node(new, "ShaderNodeBsdfDiffuse", Color=(0.7, 0.45, 0.2, 1))
         clear = node(new, "ShaderNodeBsdfTransparent", Color=(0.9, 1.0, 0.7, 1))
-        first, second = (clear, solid) if not info else (solid, clear)
-        link(first.outputs[0], mix.inputs[1])
-        link(second.outputs[0], mix.inputs[2])
+        link(solid.outputs[0], mix.inputs[1])
+        link(clear.outputs[0], mix.inputs[2])
         return mix.outputs[0]
 
     return material(name, shader)

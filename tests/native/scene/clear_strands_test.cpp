@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Hair and points that let a part of the light pass: once for each that a ray goes through, and narrower in the air.
+#include "render/passed_surface.hpp"
 #include "scene/narrowed_strands.hpp"
 #include "scene/scene.hpp"
 #include "scene/strands.hpp"
@@ -58,7 +59,7 @@ int layers(const Scene& scene, Ray ray) {
     int count = 0;
     for (Hit hit = scene.closest_hit(ray); hit.is_hit() && count < 100; hit = scene.closest_hit(ray), ++count) {
         CHECK(scene.closures(ray, hit).transparent == share);
-        ray.near_m = std::nextafter(hit.distance_m * (1.0f + 4e-7f), ray.far_m);
+        render::go_on_behind(ray, hit);
     }
     return count;
 }
