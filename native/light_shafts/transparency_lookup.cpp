@@ -19,8 +19,6 @@ static bool read_the_same(const SurfaceOp& a, const SurfaceOp& b) {
 
 TransparencyLookup::TransparencyLookup(const Material& material)
     : material_(material), operations_(material), is_coloured_(has_coloured_transparency(material)) {
-    if (operations_.reads == OpReads::nothing)
-        constant_ = evaluate_transparent(material, operations_, vec4(0.0f), false);
     reads_facing_ = (operations_.reads & (OpReads::facing | OpReads::point)) != 0;
     bool is_one_image = (operations_.reads & OpReads::point) == 0, reads_alpha_alone = true;
     for (const std::uint16_t place : operations_.places) {

@@ -38,7 +38,7 @@ public:
     [[nodiscard]] bool reads_point() const { return (operations_.reads & OpReads::point) != 0; }
     [[nodiscard]] const TransparentOperations& operations() const { return operations_; }
     /// The same share everywhere: the program reads nothing that differs between points. Nothing: it does.
-    [[nodiscard]] const std::optional<Rgb>& constant() const { return constant_; }
+    [[nodiscard]] const std::optional<Rgb>& constant() const { return operations_.constant; }
     /// The one image that decides; nothing for a constant, or where several do, or something else does, too.
     [[nodiscard]] const SurfaceOp* image() const { return image_; }
     [[nodiscard]] const Texture& texture() const { return *material_.textures[image_->texture]; }
@@ -74,7 +74,6 @@ private:
     const Material& material_;
     TransparentOperations operations_;
     const SurfaceOp* image_ = nullptr;
-    std::optional<Rgb> constant_;
     bool is_coloured_ = false, reads_facing_ = false, is_straight_ = false, is_straight_by_channel_ = false;
     Rgb at_no_alpha_{0.0f}, per_alpha_{0.0f}, at_black_{0.0f}, per_colour_{0.0f};
     void find_lines_by_channel();

@@ -331,6 +331,7 @@ private:
         Geometry(const Geometry&) = delete;
         Geometry& operator=(const Geometry&) = delete;
         ~Geometry();
+        [[nodiscard]] const TransparentOperations& transparent_operations_of(const Material& material) const;
         void validate() const;
         void drop_unusable_instances();
         void set_blocker_bits();

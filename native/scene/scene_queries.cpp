@@ -305,6 +305,10 @@ bool Scene::is_opaque(const Hit& hit) const {
     return surface.has_surface && is_opaque_everywhere(surface);
 }
 
+const TransparentOperations& Scene::Geometry::transparent_operations_of(const Material& material) const {
+    return transparent_operations[static_cast<std::size_t>(&material - description.materials.data())];
+}
+
 std::optional<Rgb> Scene::even_transparency(const Hit& hit) const {
     const PlacedShape* const placed = placed_shape(hit.instance);
     if (placed != nullptr && shape_of(*placed).cells() != nullptr)
@@ -312,9 +316,7 @@ std::optional<Rgb> Scene::even_transparency(const Hit& hit) const {
     const Material& surface = material(hit.instance, hit.triangle);
     if (!surface.has_surface)
         return Rgb(1.0f);
-    if (surface.is_constant())
-        return surface.constant.transparent;
-    return is_opaque_everywhere(surface) ? std::optional(Rgb(0.0f)) : std::nullopt;
+    return geometry_->transparent_operations_of(surface).constant;
 }
 
 Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {
@@ -327,9 +329,7 @@ Rgb Scene::transparency(const Ray& ray, const Hit& hit, RayKind kind) const {
     thread_local std::vector<vec2> uvs;
     uvs.clear();
     look_up_uvs(asking, at, hit, surface, uvs);
-    return evaluate_transparent(
-        surface, geometry_->transparent_operations[static_cast<std::size_t>(&surface - description().materials.data())],
-        at, uvs);
+    return evaluate_transparent(surface, geometry_->transparent_operations_of(surface), at, uvs);
 }
 
 Rgb Scene::passing_share(const Ray& ray, const Hit& hit, RayKind kind) const {

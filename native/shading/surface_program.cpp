@@ -296,13 +296,17 @@ TransparentOperations::TransparentOperations(const Material& material)
     : places(live_operations(material, material.transparent_register)) {
     for (const std::uint16_t place : places)
         reads |= facts_of(material.program[place]).value_or(OpFacts{}).reads;
+    if (material.is_constant())
+        constant = material.constant.transparent;
+    else if (reads == OpReads::nothing)
+        constant = evaluate_transparent(material, *this, vec4(0.0f), false);
 }
 
 template <typename ImageValue>
 static Rgb transparent_by(const Material& material, const TransparentOperations& operations, const ProgramPoint& point,
                           const ImageValue& image_value) {
-    if (material.is_constant())
-        return material.constant.transparent;
+    if (operations.constant)
+        return *operations.constant;
     Registers registers{};
     for (const std::uint16_t place : operations.places) {
         const SurfaceOp& op = material.program[place];

@@ -2,6 +2,7 @@
 #pragma once
 #include "shading/material.hpp"
 #include "shading/op_facts.hpp"
+#include <optional>
 
 namespace tyndall {
 /// What SurfaceClosures::transparent depends on: found once per material, for shadow rays, which run nothing else.
@@ -10,5 +11,6 @@ struct TransparentOperations {
 
     std::vector<std::uint16_t> places; ///< In Material::program, ascending.
     OpReads::Flags reads = OpReads::nothing;
+    std::optional<Rgb> constant; ///< What they give everywhere; nothing: they read what differs between points.
 };
 } // namespace tyndall
