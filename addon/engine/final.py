@@ -228,7 +228,7 @@ class _Frame:
         thing = self.depsgraph.scene_eval.camera
         if thing is None:
             raise ValueError("the scene has no camera")
-        return thing.original
+        return thing
 
     def _poll(self) -> Callable[[], None]:
         last = time.monotonic()

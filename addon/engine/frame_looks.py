@@ -57,7 +57,7 @@ class LookReader:
     size_px: tuple[int, int]
     kept: KeptFrame
     poll: Callable[[], None]
-    camera: Object  #: The original: a shutter that is open over a cut sees the frame's camera alone.
+    camera: Object  #: Evaluated: a shutter that is open over a cut sees the frame's camera alone.
     is_lit: bool = True
 
     def read(self, reports: Reports, *, begins_moments: bool) -> Look:
@@ -89,13 +89,12 @@ class LookReader:
         return Look(description=description, camera=camera, functions=functions, heterogeneity=heterogeneity)
 
     def _camera(self, reports: Reports) -> Camera:
-        thing = self.camera.evaluated_get(self.depsgraph)
         return read_camera(
-            thing,
+            self.camera,
             self.settings.render,
             self.size_px,
             reports,
-            world_from_camera=np.array(self.engine.camera_model_matrix(thing)),
+            world_from_camera=np.array(self.engine.camera_model_matrix(self.camera)),
             # Of other objects Blender reads it where a camera would have it.
-            shift_x=self.engine.camera_shift_x(thing) if thing.type == "CAMERA" else None,
+            shift_x=self.engine.camera_shift_x(self.camera) if self.camera.type == "CAMERA" else None,
         )

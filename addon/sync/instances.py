@@ -25,6 +25,7 @@ import numpy as np
 from ..baked_air import is_baked_air
 from .adaptive_subdivision import note_adaptive
 from .instancer_values import InstancerReader
+from .names import address_of, name_of
 from .object_lighting import LightingReader
 from .particles import ParticleReader
 from .random_numbers import random_number_of
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
 
     from .asked_properties import Asked
     from .instancer_values import Row
+    from .names import Name
     from .reports import Reports
 
 _POLL_EVERY = 2048  #: Instances between two polls, about 5 ms.
@@ -96,7 +98,7 @@ class Placement:
     pass_index: int = 0
     matrices: list[Matrix] = field(default_factory=list)  #: World from object, one per instance.
     random_numbers: list[int] = field(default_factory=list)  #: 32 bits, one per instance.
-    #: Identities of original datablocks whose geometry updates make this mesh stale.
+    #: Addresses (address_of) of datablocks whose geometry updates make this mesh stale.
     depends_on: set[int] = field(default_factory=set)
     own_random_number: int | None = None  #: Of what is no instance.
     is_instanced: bool = False  #: By another object; one of its instances is, if it is a light.
@@ -159,15 +161,14 @@ def shown_kinds(viewport: SpaceView3D | None) -> tuple[object, ...]:
     return viewport.as_pointer(), view and view.as_pointer(), viewport.use_local_collections, *switches
 
 
-def instanced_names(depsgraph: Depsgraph, poll: Callable[[], None]) -> dict[int, set[str]]:
-    """By identity of an original object of the scene: names, as placements have them, of all that it instances."""
-    names: dict[int, set[str]] = {}
+def instanced_names(depsgraph: Depsgraph, poll: Callable[[], None]) -> dict[Name, set[str]]:
+    """By an object of the scene: names, as placements have them, of all that it instances."""
+    names: dict[Name, set[str]] = {}
     for index, instance in enumerate(depsgraph.object_instances):
         if index % _POLL_EVERY == 0:
             poll()
         if instance.is_instance:
-            by = instance.parent.original.as_pointer()
-            names.setdefault(by, set()).add(instance.instance_object.original.name)
+            names.setdefault(name_of(instance.parent), set()).add(instance.instance_object.name)
     return names
 
 
@@ -233,9 +234,8 @@ class _Grouping:
         if data is None or not instance.show_self:  # an empty, or an instancer that hides itself
             return None
         # Addresses are compared within one pass over one depsgraph, in which they are stable; nothing is read there.
-        # An instance, and the mesh of a curve, come as a copy of their object that lives for one step: its original
-        # has an address of its own.
-        owner = (source or thing).original
+        # An instance, and the mesh of a curve, come as a copy of their object that lives for one step.
+        owner = source or thing
         limit = self._limit(parent or thing)
         key = (owner.as_pointer(), data.as_pointer(), limit and limit.as_pointer())
         if key not in self._placements:
@@ -249,7 +249,7 @@ class _Grouping:
         if not self._hair or not instance.show_particles:
             return []
         source = instance.instance_object
-        owner = (source or instance.object).original
+        owner = source or instance.object
         if (modifiers := self._hair.get(owner.as_pointer())) is None or not isinstance(
             instance.object.data, bpy.types.Mesh
         ):
@@ -260,7 +260,7 @@ class _Grouping:
         for modifier in modifiers:
             key = (owner.as_pointer(), modifier, limit and limit.as_pointer())
             if key not in self._placements:
-                placement = self._new_placement(owner.evaluated_get(self._depsgraph), owner, parent)
+                placement = self._new_placement(owner, owner, parent)
                 self._placements[key] = placement and replace(placement, hair=modifier)
             if (of_hair := self._placements[key]) is not None:
                 found.append(of_hair)
@@ -279,10 +279,9 @@ class _Grouping:
             return None
         if not (has_shape or is_light):
             return None
-        source = owner.evaluated_get(self._depsgraph)
-        is_camera_visible = source.visible_camera and self._is_camera_visible(parent or source)
+        is_camera_visible = owner.visible_camera and self._is_camera_visible(parent or owner)
         casts_shadow, is_bounce_visible, is_mirror_visible, is_glass_visible = (
-            getattr(source, switch) and (parent is None or getattr(parent, switch)) for switch in OTHER_RAYS
+            getattr(owner, switch) and (parent is None or getattr(parent, switch)) for switch in OTHER_RAYS
         )
         seen_by = (
             is_camera_visible,
@@ -297,27 +296,27 @@ class _Grouping:
         asks = self.particles.is_asked_for(materials)
         asks_instancer = isinstance(thing.data, bpy.types.Mesh) and self.instancers.is_asked_for(materials)
         if has_shape:
-            note_adaptive(source, self._depsgraph, self._reports)
+            note_adaptive(owner, self._depsgraph, self._reports)
         if isinstance(thing.data, bpy.types.Mesh):
-            note_terminator(source, self._reports)
+            note_terminator(owner, self._reports)
         return Placement(
             object_name=owner.name,
             data=thing.data if has_shape else None,
             materials=materials,
-            source=source,
+            source=owner,
             is_camera_visible=is_camera_visible,
             casts_shadow=casts_shadow,
             is_bounce_visible=is_bounce_visible,
             is_mirror_visible=is_mirror_visible,
             is_glass_visible=is_glass_visible,
-            lights_media=source.visible_volume_scatter and (parent is None or parent.visible_volume_scatter),
-            is_held_out=has_shape and self._is_held_out(parent or source),
-            is_shadow_catcher=source.is_shadow_catcher or (parent is not None and parent.is_shadow_catcher),
-            lighting=self._lighting.read(source, parent),
-            depends_on={thing.original.as_pointer() for thing in (thing.data, owner, parent) if thing is not None},
+            lights_media=owner.visible_volume_scatter and (parent is None or parent.visible_volume_scatter),
+            is_held_out=has_shape and self._is_held_out(parent or owner),
+            is_shadow_catcher=owner.is_shadow_catcher or (parent is not None and parent.is_shadow_catcher),
+            lighting=self._lighting.read(owner, parent),
+            depends_on={address_of(one, self._depsgraph) for one in (thing.data, owner, parent) if one is not None},
             is_instanced=parent is not None,
-            color=tuple(source.color),
-            pass_index=source.pass_index,
+            color=tuple(owner.color),
+            pass_index=owner.pass_index,
             own_random_number=random_number_of(owner.name),
             particle_rows=[] if asks else None,
             instancer_rows=[] if asks_instancer else None,
@@ -341,7 +340,7 @@ def _is_any(collection: LayerCollection, switch: str) -> bool:
 
 
 def _hair_by_object(depsgraph: Depsgraph) -> dict[int, list[str]]:
-    """Of originals, the modifiers whose particles are drawn as strands."""
+    """By address of an evaluated object, the modifiers whose particles are drawn as strands."""
     shows = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
     found = {}
     for thing in depsgraph.objects:
@@ -356,7 +355,7 @@ def _hair_by_object(depsgraph: Depsgraph) -> dict[int, list[str]]:
             and modifier.particle_system.settings.render_type == "PATH"
         ]
         if modifiers:
-            found[thing.original.as_pointer()] = modifiers
+            found[thing.as_pointer()] = modifiers
     return found
 
 

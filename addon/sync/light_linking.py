@@ -32,18 +32,18 @@ _MOST_SETS, _MOST_COLLECTIONS = 64, 64
 
 @dataclass(frozen=True)
 class LinkedSets:
-    """Of receivers, or of blockers. Originals are told by address, which is theirs while the depsgraph lives."""
+    """Of receivers, or of blockers: what a depsgraph evaluated, by address."""
 
     set_of: dict[int, int] = field(default_factory=dict)  #: Of objects; those that are missing are in set 0.
     sets_of: dict[int, int] = field(default_factory=dict)  #: Of collections: a bit per set.
 
     def of_object(self, source: Object, parent: Object | None) -> int:
         """An instancer's set goes before that of what it instances, as in Cycles."""
-        own = self.set_of.get(source.original.as_pointer(), 0)
-        return own if parent is None else self.set_of.get(parent.original.as_pointer(), 0) or own
+        own = self.set_of.get(source.as_pointer(), 0)
+        return own if parent is None else self.set_of.get(parent.as_pointer(), 0) or own
 
     def of_emitter(self, collection: Collection | None) -> int:
-        return ALL_SETS if collection is None else self.sets_of.get(collection.original.as_pointer(), ALL_SETS)
+        return ALL_SETS if collection is None else self.sets_of.get(collection.as_pointer(), ALL_SETS)
 
 
 def links_of(source: Object) -> tuple[str, str]:
@@ -66,7 +66,7 @@ def read_links(depsgraph: Depsgraph, reports: Reports | None) -> tuple[LinkedSet
     for thing in depsgraph.ids:
         if not isinstance(thing, bpy.types.Object):
             continue
-        linking = thing.original.light_linking
+        linking = thing.light_linking
         for collection, found in ((linking.receiver_collection, receivers), (linking.blocker_collection, blockers)):
             if collection is not None:
                 found[collection.as_pointer()] = collection
@@ -105,9 +105,9 @@ def _named_by(collection: Collection) -> Iterator[tuple[bool, int]]:
     """Whether it includes an object, and which; what a child collection says holds for all below it."""
     for child, of_child in zip(collection.children, collection.collection_children, strict=True):
         for thing in child.all_objects:
-            yield of_child.light_linking.link_state == "INCLUDE", thing.original.as_pointer()
+            yield of_child.light_linking.link_state == "INCLUDE", thing.as_pointer()
     for thing, entry in zip(collection.objects, collection.collection_objects, strict=True):
-        yield entry.light_linking.link_state == "INCLUDE", thing.original.as_pointer()
+        yield entry.light_linking.link_state == "INCLUDE", thing.as_pointer()
 
 
 class LinkedMedia:

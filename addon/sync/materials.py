@@ -15,9 +15,9 @@ from .displacement_nodes import displaced_normal, read_displacement
 from .field_media import read_fields
 from .lobe_nodes import plain_principled
 from .mesh_attributes import uv_maps_of, what_is_missing
+from .names import Name, name_of
 from .node_graph import output_input
 from .program import BLACK, WHITE, grey
-from .relit_scene import Name, name_of
 from .reports import Reports
 from .seen_camera import seen_camera
 from .shadow_rays import passable
@@ -112,7 +112,7 @@ class MaterialReader:
 
     def _append(self, read: Material, material: bpy.types.Material | None, notes: Reports) -> None:
         self.materials.append(read)
-        self.names.append(None if material is None else name_of(material.original))
+        self.names.append(None if material is None else name_of(material))
         self.notes.append(notes)
 
     def add_copy(self, index: int, medium: int) -> int:

@@ -44,7 +44,7 @@ class LightingReader:
         """Whether what the object instances may be lit, or light, otherwise than what others instance."""
         if self.light_groups and thing.lightgroup in self.light_groups:
             return True
-        address = thing.original.as_pointer() if self.receivers.set_of or self.blockers.set_of else 0
+        address = thing.as_pointer() if self.receivers.set_of or self.blockers.set_of else 0
         return address in self.receivers.set_of or address in self.blockers.set_of
 
     def read(self, source: Object, parent: Object | None) -> ObjectLighting | None:
@@ -64,7 +64,7 @@ class LightingReader:
     def _links(self, source: Object) -> LightLinks | None:
         if not HAS_LINKING or not (self.receivers.sets_of or self.blockers.sets_of):
             return None
-        linking = source.original.light_linking
+        linking = source.light_linking
         links = LightLinks(
             receiver_sets=self.receivers.of_emitter(linking.receiver_collection),
             blocker_sets=self.blockers.of_emitter(linking.blocker_collection),

@@ -13,6 +13,7 @@ from tyndall.scene_description import EditKind, HoleNoise, KernelShape, LightMas
 from ..item_lists import having_a_say
 from .images import without_pixels
 from .instances import instanced_names
+from .names import name_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from ..properties.occluder_edits import TyndallOccluderEdit
     from .images import ImageReader
     from .light_masks import MaskReader
+    from .names import Name
     from .reports import Reports
 
 _INSTANCING_MODIFIERS = frozenset({"NODES", "PARTICLE_SYSTEM"})
@@ -50,7 +52,7 @@ class OccluderEditReader:
         self._masks = masks
         self._reports = reports
         self._poll = poll
-        self._instanced: dict[int, set[str]] | None = None
+        self._instanced: dict[Name, set[str]] | None = None
 
     def read(self, light: bpy.types.Light, light_name: str) -> tuple[OccluderEdit, ...]:
         """``light`` is evaluated: what is animated or driven has its value at this frame.
@@ -124,7 +126,7 @@ class OccluderEditReader:
         elif thing.instance_type != "NONE" or any(one.type in _INSTANCING_MODIFIERS for one in thing.modifiers):
             if self._instanced is None:
                 self._instanced = instanced_names(self._depsgraph, self._poll)
-            yield from self._instanced.get(thing.as_pointer(), ())
+            yield from self._instanced.get(name_of(thing), ())
 
     def _mask(self, original: TyndallOccluderEdit, size_m: float, culprit: str) -> LightMask | None:
         if original.mask_image is None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from .instances import Placement, may_stand_alone, shown_kinds
 from .light_linking import LinkedMedia, links_of
+from .names import name_of
 from .object_lighting import LightingReader
 from .random_numbers import random_number_of
 from .seen_camera import seen_camera
@@ -25,12 +26,10 @@ if TYPE_CHECKING:
 
     from tyndall.scene_description import Light, SceneDescription
 
+    from .names import Name
     from .reports import Reports
     from .retouched_scene import Retouchable
     from .seen_camera import SeenCamera
-
-
-Name = tuple[str, str | None]  #: Of an object or a material, and the library that it is from.
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -121,7 +120,7 @@ class ReadScene:
 
 def links_of_lights(placements: list[Placement]) -> tuple[tuple[str, str], ...]:
     """In the order of light_names()."""
-    return tuple(links_of(placement.source.original) for placement in placements if placement.data is None)
+    return tuple(links_of(placement.source) for placement in placements if placement.data is None)
 
 
 def is_light(thing: ID) -> bool:
@@ -149,15 +148,9 @@ def moved_mesh(update: DepsgraphUpdate, depsgraph: Depsgraph) -> MovedMesh | Non
         return None
     if not may_stand_alone(thing, depsgraph):
         return None
-    return MovedMesh(name=name_of(thing.original), world_from_object=np.array(thing.matrix_world, np.float64)[None])
-
-
-def name_of(thing: ID) -> Name:
-    """Of an original object or material, as ``bpy.data.objects`` and ``bpy.data.materials`` take it."""
-    return thing.name, thing.library.filepath if thing.library else None
+    return MovedMesh(name=name_of(thing), world_from_object=np.array(thing.matrix_world, np.float64)[None])
 
 
 def light_names(placements: list[Placement]) -> tuple[Name, ...]:
     """As ``bpy.data.objects`` takes them."""
-    originals = [placement.source.original for placement in placements if placement.data is None]
-    return tuple(name_of(thing) for thing in originals)
+    return tuple(name_of(placement.source) for placement in placements if placement.data is None)

@@ -20,8 +20,8 @@ from .instancer_values import InstancerReader
 from .instances import OTHER_RAYS
 from .light_linking import links_of
 from .mesh_attributes import uv_maps_of
+from .names import Name, name_of
 from .particles import ParticleReader
-from .relit_scene import Name, name_of
 from .reports import Reports
 from .scene_state import scene_state
 from .worlds import occlusion_reach_m, world_of
@@ -74,13 +74,13 @@ class Retouches:
         if isinstance(thing, bpy.types.ShaderNodeTree):
             return self._hears_tree(thing.original)
         if isinstance(thing, bpy.types.Material):
-            self.materials.add(name_of(thing.original))
+            self.materials.add(name_of(thing))
             return True
         if isinstance(thing, bpy.types.World):
             self.has_world = True
             return True
         if isinstance(thing, bpy.types.Object):
-            self.objects.add(name_of(thing.original))
+            self.objects.add(name_of(thing))
         return isinstance(thing, (bpy.types.Object, *_SHOWING)) and update.is_updated_shading
 
     def _hears_tree(self, tree: ShaderNodeTree) -> bool:
@@ -122,7 +122,7 @@ class Retouchable:
         if not names:
             return True
         # At once: to look one up by its name goes through all objects of the file.
-        found = {name_of(thing.original): thing for thing in depsgraph.objects}
+        found = {name_of(thing): thing for thing in depsgraph.objects}
         drawn = names & self.looks.keys()
         return all(self.looks[name] == _look_now(name, found, depsgraph) for name in drawn)
 
@@ -146,8 +146,8 @@ def retouchable(
     if materials.asks_properties or any(placement.told for placement in shown):
         return None
     counts, scene = Counter(materials.names), depsgraph.scene_eval
-    looking = {name_of(thing.original): thing for thing in depsgraph.objects}
-    looking |= {name_of(one.source.original): one.source for one in shown}  # what is only instanced is in none
+    looking = {name_of(thing): thing for thing in depsgraph.objects}
+    looking |= {name_of(one.source): one.source for one in shown}  # what is only instanced is in none
     return Retouchable(
         materials={
             name: (index, materials.notes[index])

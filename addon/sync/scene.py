@@ -25,19 +25,18 @@ from .lights import lights_of
 from .materials import MaterialReader, note_missing_attributes, scene_materials
 from .mesh_attributes import asked_of_meshes
 from .meshes import passing_mesh, read_mesh
+from .names import address_of, name_of
 from .object_lighting import light_groups, report_left_out
 from .occluder_edits import OccluderEditReader
 from .placed_objects import placed
 from .relit_scene import (
     MovedMesh,
-    Name,
     ReadScene,
     is_camera,
     is_light,
     light_names,
     links_of_lights,
     moved_mesh,
-    name_of,
 )
 from .reports import Reports
 from .retouched_scene import Retouches, retouchable, retouched
@@ -56,6 +55,8 @@ if TYPE_CHECKING:
 
     from bpy.types import Depsgraph, Object, SpaceView3D, ViewLayer
     from mathutils import Matrix
+
+    from .names import Name
 
 
 class SceneReader:
@@ -108,7 +109,7 @@ class SceneReader:
             elif not self._retouches.hears(update, depsgraph):
                 self._last = None
             if update.is_updated_geometry:
-                self._stale.add(update.id.original.as_pointer())
+                self._stale.add(address_of(update.id, depsgraph))
         if not has_updates:
             self._last = None
 
@@ -157,7 +158,7 @@ class SceneReader:
         instances = tuple(group for _, group in found_meshes)
         varying = with_fields(found_meshes, materials)
         for placement, _ in varying:
-            lone.pop(name_of(placement.source.original), None)  # its grids move with it
+            lone.pop(name_of(placement.source), None)  # its grids move with it
         light_places = {one.object_name: one.matrices[0] for one in placements if one.data is None}
         of_world = Reports()
         found = self._read_world(depsgraph, light_places, of_world)
@@ -325,7 +326,7 @@ class SceneReader:
             mesh, depends_on = seen[key]
             depends_on |= placement.depends_on
             if mesh is not None:
-                name = name_of(placement.source.original)
+                name = name_of(placement.source)
                 if name in met or placement.is_instanced or len(placement.matrices) > 1:
                     lone.pop(name, None)
                 else:

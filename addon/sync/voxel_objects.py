@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 def voxel_path(thing: Object) -> str:
     """The file whose voxels stand for the object, absolute; "": it is drawn by its mesh."""
-    return str(file_of(thing.original)) if is_voxel_box(thing) else ""
+    return str(file_of(thing)) if is_voxel_box(thing) else ""
 
 
 def without_and_with_voxels(placements: list[Placement]) -> tuple[list[Placement], list[Placement]]:

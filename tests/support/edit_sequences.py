@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from typing import Any
 
 import bpy
@@ -18,6 +19,42 @@ Edit = Callable[[random.Random, Any], None]
 def is_rendering() -> bool:
     """A final render, in a thread of its own."""
     return bool(bpy.app.is_job_running("RENDER"))
+
+
+def renders_begun() -> list[bool]:
+    """Grows by one whenever Blender has handed a final render over to the engine."""
+    from addon.engine import final  # noqa: PLC0415  after the path is set
+
+    begun: list[bool] = []
+    render = final.render
+
+    def render_and_tell(*of_engine: Any) -> None:
+        begun.append(True)
+        render(*of_engine)
+
+    final.render = render_and_tell
+    return begun
+
+
+def made(edit: Edit, chance: random.Random, window: Any, begun: list[bool]) -> Iterator[float]:
+    """Make an edit as an artist can; ``begun`` is renders_begun().
+
+    That keeps out two crashes of Blender 3.4 that no engine in Python can prevent. It looks into a context that is
+    overridden without waiting for its turn to use Python, so that is done only where a file that was opened has taken
+    the context's window with it. And it evaluates the scene of a render in that render's thread, while which nothing
+    must change: the next edit waits until the engine has it.
+    """
+    before, was_rendering = len(begun), is_rendering()
+    with nullcontext() if bpy.context.window else bpy.context.temp_override(window=window.bpy_window):
+        edit(chance, window)
+    if not was_rendering:
+        yield from window.until(lambda: len(begun) > before or not is_rendering())
+
+
+def leave_eevee() -> None:
+    """The engine of the factory's scene, to which edits go back: on the CPU it draws for seconds after each."""
+    if bpy.context.scene.render.engine == "BLENDER_EEVEE":
+        bpy.context.scene.render.engine = "BLENDER_WORKBENCH"
 
 
 def _things(*kinds: str) -> list[bpy.types.Object]:
@@ -108,13 +145,12 @@ def _turn(chance: random.Random, window: Any) -> None:
     view.view_distance = chance.uniform(0.1, 30.0)
 
 
-def _render(_chance: random.Random, window: Any) -> None:
+def _render(_chance: random.Random, _window: Any) -> None:
     """F12, which goes on while the next edits come."""
     if not is_rendering() and bpy.context.scene.camera is not None:
         bpy.context.scene.render.engine = "TYNDALL"
         bpy.context.scene.tyndall.pixel_samples = 16
-        with bpy.context.temp_override(window=window.bpy_window):
-            bpy.ops.render.render("INVOKE_DEFAULT")
+        bpy.ops.render.render("INVOKE_DEFAULT")
 
 
 def _close_file(chance: random.Random, window: Any) -> None:

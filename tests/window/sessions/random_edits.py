@@ -17,7 +17,7 @@ from typing import Any
 import bpy
 
 from support.beam_scene import build_beam_scene
-from support.edit_sequences import EDITS, SAVED, STEPS, is_rendering
+from support.edit_sequences import EDITS, SAVED, STEPS, is_rendering, leave_eevee, made, renders_begun
 
 WORKING = ("Updating", "Rendering")  #: What a status begins with that is no error.
 RENDER_S = 240  #: A whole picture, while the viewport renders too and other tests run: more than this is a hang.
@@ -30,6 +30,7 @@ def session(window: Any) -> Iterator[float]:  # noqa: C901  its helpers share it
     first, last = map(int, os.environ["TYNDALL_EDIT_SEEDS"].split())
     log = Path(window.folder / "edits.jsonl")
     silent: list[str] = []
+    begun = renders_begun()
 
     def note(**facts: object) -> None:
         with log.open("a") as lines:
@@ -39,11 +40,6 @@ def session(window: Any) -> Iterator[float]:  # noqa: C901  its helpers share it
         for space in (area.spaces[0] for area in window.bpy_window.screen.areas if area.type == "VIEW_3D"):
             space.region_3d.view_perspective = "CAMERA"
             space.shading.type = "RENDERED"
-
-    def leave_eevee() -> None:
-        """The engine of the factory's scene, to which edits go back: on the CPU it draws for seconds after each."""
-        if bpy.context.scene.render.engine == "BLENDER_EEVEE":
-            bpy.context.scene.render.engine = "BLENDER_WORKBENCH"
 
     def worker() -> ViewportWorker | None:
         return next((open_one.worker for open_one in viewport.open_viewports.values()), None)
@@ -74,8 +70,7 @@ def session(window: Any) -> Iterator[float]:  # noqa: C901  its helpers share it
         for _ in range(STEPS):
             name, edit = chance.choice(EDITS)
             note(seed=seed, edit=name)
-            with bpy.context.temp_override(window=window.bpy_window, area=window.area("VIEW_3D")):
-                edit(chance, window)
+            yield from made(edit, chance, window, begun)
             leave_eevee()
             yield chance.choice((0.0, 0.01, 0.05, 0.2))
             show_rendered()
