@@ -40,11 +40,12 @@ class Exposure:
     first_sample: int
     sample_count: int
     pixel_samples: int  #: Of the whole picture.
+    pictures: int  #: That it is made of, or fewer.
 
     @classmethod
     def whole(cls, look: Look, pixel_samples: int) -> Exposure:
         """All samples see the same."""
-        return cls(look=look, first_sample=0, sample_count=pixel_samples, pixel_samples=pixel_samples)
+        return cls(look=look, first_sample=0, sample_count=pixel_samples, pixel_samples=pixel_samples, pictures=1)
 
     @property
     def is_whole(self) -> bool:
@@ -58,7 +59,8 @@ class Exposure:
     def config(self, whole: RenderConfig) -> RenderConfig:
         """Of so many samples the noise is larger than that of all, and so is what may be left of it.
 
-        So is the error of slope rows, which are laid out anew around each place on a lens, and of lights' strata.
+        So is the error of slope rows, which are laid out anew around each place on a lens, and of lights' strata. To
+        moments of a shutter lights' strata are dealt out: together they have those of one picture.
         """
         config = replace(whole, transfer_functions=self.look.functions, heterogeneity=self.look.heterogeneity)
         if self.is_whole:
@@ -68,6 +70,10 @@ class Exposure:
             error_target = min(more * whole.shafts.error_target, _LARGEST_ERROR_TARGET)
             seed = (whole.shafts.seed + self.first_sample) % 2**32  # for strata of lights that are others', too
             config = replace(config, shafts=replace(whole.shafts, error_target=error_target, seed=seed))
+        else:
+            end = self.first_sample + self.sample_count
+            part = self.first_sample, end, self.pixel_samples, self.pictures
+            config = replace(config, shafts=replace(whole.shafts, part=part))
         return replace(
             config,
             first_sample=self.first_sample,
@@ -85,8 +91,9 @@ def lens_step_count(look: Look, pixel_samples: int, most: int) -> int:
 
 def lens_exposures(look: Look, pixel_samples: int, count: int) -> Iterator[Exposure]:
     """One scene through so many places of the lens."""
-    for index, part in enumerate(moments(pixel_samples, count)):
-        yield _exposure(_through_lens(look, index), part, pixel_samples)
+    parts = moments(pixel_samples, count)
+    for index, part in enumerate(parts):
+        yield _exposure(_through_lens(look, index), part, pixel_samples, len(parts))
 
 
 def exposures(
@@ -102,7 +109,8 @@ def exposures(
     """One after another, each as soon as the next moment is known to differ. Blender's frame is left anywhere."""
     waiting: Exposure | None = None
     look = of_frame
-    for index, moment in enumerate(shutter.moments(pixel_samples, most)):
+    all_moments = shutter.moments(pixel_samples, most)
+    for index, moment in enumerate(all_moments):
         reader.poll()
         engine.frame_set(*shutter.frame_of(moment))
         look = reader.read_moment(look)
@@ -112,7 +120,7 @@ def exposures(
             continue
         if waiting is not None:
             yield waiting
-        waiting = _exposure(seen, moment, pixel_samples)
+        waiting = _exposure(seen, moment, pixel_samples, len(all_moments))
     if waiting is not None:
         yield waiting
 
@@ -124,9 +132,13 @@ def _through_lens(look: Look, index: int) -> Look:
     return replace(look, camera=seen_through(look.camera, lens_point(index)))
 
 
-def _exposure(look: Look, part: Moment, pixel_samples: int) -> Exposure:
+def _exposure(look: Look, part: Moment, pixel_samples: int, pictures: int) -> Exposure:
     return Exposure(
-        look=look, first_sample=part.first_sample, sample_count=part.sample_count, pixel_samples=pixel_samples
+        look=look,
+        first_sample=part.first_sample,
+        sample_count=part.sample_count,
+        pixel_samples=pixel_samples,
+        pictures=pictures,
     )
 
 

@@ -4,6 +4,7 @@
 #include "core/memory_room.hpp"
 #include "light_shafts/light_depth_picture.hpp"
 #include "light_shafts/map_cache.hpp"
+#include "light_shafts/strata_counts.hpp"
 #include "render/asked_rays.hpp"
 #include "render/frame.hpp"
 #include "render/kept_light_trees.hpp"
@@ -63,6 +64,8 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
                                         std::uint32_t light_samples, std::uint32_t world_samples, bool attenuates_light,
                                         bool adapts_strata, bool shares_strata, int grid_method,
                                         float grid_error_target, bool walks_maps, std::uint32_t seed,
+                                        const std::array<std::uint32_t, 4>& part,
+                                        const std::optional<std::shared_ptr<light_shafts::KeptStrata>>& kept_strata,
                                         const std::optional<std::shared_ptr<light_shafts::MapCache>>& kept_maps,
                                         std::optional<std::size_t> room_bytes) {
     return {.method = static_cast<light_shafts::Method>(method),
@@ -78,6 +81,8 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
             .grid_error_target = grid_error_target,
             .walks_maps = walks_maps,
             .seed = seed,
+            .part = {.first = part[0], .end = part[1], .samples = part[2], .pictures = part[3]},
+            .kept_strata = kept_strata.value_or(nullptr),
             .kept_maps = kept_maps.value_or(nullptr),
             .room = room_bytes ? std::make_shared<MemoryRoom>(*room_bytes) : nullptr};
 }
@@ -258,10 +263,14 @@ void bind_render(py::module_& native) {
         native, "KeptLightTrees",
         "Trees of lights, kept from picture to picture, in at most so many bytes. For one thread at a time.")
         .def(py::init<std::size_t>(), "capacity_bytes"_a);
+    py::class_<light_shafts::KeptStrata, std::shared_ptr<light_shafts::KeptStrata>>(
+        native, "KeptStrata", "How many strata lights have in a series of pictures. For one thread at a time.")
+        .def(py::init<>());
     py::class_<light_shafts::Config>(native, "ShaftConfig")
         .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
              "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "grid_method"_a, "grid_error_target"_a,
-             "walks_maps"_a, "seed"_a, "kept_maps"_a = py::none(), "room_bytes"_a = py::none());
+             "walks_maps"_a, "seed"_a, "part"_a, "kept_strata"_a = py::none(), "kept_maps"_a = py::none(),
+             "room_bytes"_a = py::none());
     py::class_<render::IndirectConfig>(native, "IndirectConfig")
         .def(py::init(&make_indirect), "ambient_occlusion"_a, "ambient_distance_m"_a, "ambient_samples"_a, "bounce"_a,
              "bounce_samples"_a, "mirror_depth"_a, "refraction_depth"_a);

@@ -14,6 +14,9 @@ static void validate(const Config& config) {
     require_in(config.grid_error_target, 1e-4f, 0.3f, "grid_error_target");
     require_in(static_cast<float>(config.light_samples), 1.0f, 65536.0f, "light_samples");
     require_in(static_cast<float>(config.world_samples), 0.0f, 65536.0f, "world_samples");
+    const SeriesPart& part = config.part;
+    if (part.first >= part.end || part.end > part.samples || part.pictures == 0)
+        throw InvalidInput("light shafts: a part of a series must have some of its samples");
 }
 
 static bool is_world(const Scene& scene, const ScatteringLight& light) { return light.index == scene.lights().size(); }
@@ -68,7 +71,10 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
         statistics.skip("light shafts", "no view ray meets a medium");
         return;
     }
-    const StrataCounts counts = count_strata(scene, media, view, clipped, config, progress);
+    const auto count = [&] { return count_strata(scene, media, view, clipped, config, progress); };
+    const StrataCounts counts = config.kept_strata && config.adapts_strata
+                                    ? config.kept_strata->counts(config.part, scene.lights().size(), count)
+                                    : count();
     std::vector<ScatteringLight> lights = find_scattering_lights(scene, media, config, counts, statistics);
     left_ = leave_costly(scene, media, config, counts.left, lights);
     const bool has_world = std::ranges::any_of(lights, [&](const auto& light) { return is_world(scene, light); });

@@ -42,13 +42,21 @@ struct View {
             .direction = camera.forward()};
 }
 
-class MapCache; // map_cache.hpp
+class MapCache;   // map_cache.hpp
+class KeptStrata; // strata_counts.hpp
 
 enum class Method : std::uint8_t { Exact = 0, Epipolar = 1, ShadowMap = 2 };
 /// How rays that meet density grids, or whose light passes through some, are integrated.
 enum class GridMethod : std::uint8_t {
     March = 0,         ///< Steps and light-side depths as fine as the error target asks for.
     RatioTracking = 1, ///< Without bias, with noise.
+};
+
+/// Which of several pictures whose mean is shown this is: the strata of lights are dealt out to them, see dealt_strata.hpp.
+struct SeriesPart {
+    std::uint32_t first = 0, end = 1, samples = 1; ///< It has the samples from `first` to before `end` of all of them.
+    std::uint32_t pictures = 1;                    ///< How many there are; fewer if some are taken together.
+    [[nodiscard]] bool is_whole() const { return end - first == samples; }
 };
 
 struct Config {
@@ -79,6 +87,9 @@ struct Config {
     RowsLimit rows_limit = {};
     bool keeps_groups_apart = false; ///< Light groups have slots of their own, see Shafts::slots.
     std::uint32_t seed = 0;
+    SeriesPart part = {};
+    /// What the first picture of a series has found for all, and holds for the others; nothing: each finds its own.
+    std::shared_ptr<KeptStrata> kept_strata = {};
     std::shared_ptr<MapCache> kept_maps = {}; ///< Maps and rows of other frames; nothing: none are kept.
     std::shared_ptr<MemoryRoom> room = {};    ///< For maps and rows; nothing: they take what they need.
 };

@@ -106,7 +106,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
                              std::vector<ScatteringLight> lights_to_prepare, const Config& config, Progress& progress) {
     LightShares shares(media, clipped);
     for (ScatteringLight& light : lights_to_prepare) {
-        LightBeams beams{.light = light.index, .beams = {}, .parts = light.parts};
+        LightBeams beams{.light = light.index, .beams = {}, .parts = light.parts, .dealt_share = light.dealt_share};
         if (light.index < scene.lights().size()) {
             const Light& lamp = scene.lights()[light.index];
             beams.lamp_position = lamp.position;
@@ -152,7 +152,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
         slots = assign_slots(scene, lights);
     struct BeamToPrepare {
         Beam* beam;
-        float share_of_light;
+        float share_of_light, dealt_share;
         const OccluderEdits* edits;
         const Blockers* blockers;
         float error_target = 0.0f; ///< Of all of an edited light's samples; 0: as its share says.
@@ -194,8 +194,13 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
             of_light = edits.back()->is_empty() ? nullptr : edits.back().get();
         }
         for (Beam& beam : light.beams)
-            all_beams.push_back({&beam, 1.0f / static_cast<float>(light.beams.size()), of_light, blocked_by});
+            all_beams.push_back({&beam, light.dealt_share / static_cast<float>(light.beams.size()), light.dealt_share,
+                                 of_light, blocked_by});
     }
+    // Of a series all pictures' errors average out, as all strata's of one picture do.
+    const auto config_of = [&](const BeamToPrepare& of) {
+        return config_of_share(config, of.dealt_share * shares.share(of.beam->share), of.share_of_light);
+    };
     tracks_ratios = config.grid_method == GridMethod::RatioTracking;
     seed = config.seed;
     if (!grid_loss && !media.grids().is_empty() && !tracks_ratios) {
@@ -233,7 +238,7 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
             continue;
         }
         const StageTimer timer(statistics, "occluder edits: resolution");
-        Config asked = config_of_share(config, shares.share(of.beam->share), of.share_of_light);
+        Config asked = config_of(of);
         of.error_target =
             measured_error_target(*this, *of.beam, clipped, asked.error_target, [&](std::uint32_t texels) {
                 asked.resolution = texels;
@@ -243,13 +248,13 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     parallel_for(
         all_beams.size(), progress,
         [&](std::size_t index) {
-            auto& [beam, share_of_light, of_light, blocked_by, error_target] = all_beams[index];
+            auto& [beam, share_of_light, dealt_share, of_light, blocked_by, error_target] = all_beams[index];
             beam->dim_by_grids(grid_loss.value_or(GridLoss()));
             if (config.method == Method::Exact && of_light == nullptr) {
                 beam->visibility = make_exact_strip(scene, beam->sample, blocked_by->strip);
                 return;
             }
-            Config share = config_of_share(config, shares.share(beam->share), share_of_light);
+            Config share = config_of(all_beams[index]);
             if (of_light != nullptr) {
                 share.error_target = std::max(share.error_target, error_target);
                 beam->visibility = make_edited(all_beams[index], share, EditedMap::ShowsEdits);

@@ -45,7 +45,8 @@ struct LightBeams {
     /// Pixels that share its strata would blur edges or a picture that they have in common; of a lamp that is several
     /// pixels wide each stratum has its own, aside from the others'.
     bool has_pattern = false;
-    std::size_t parts = 1; ///< Consecutive beams that make a stratum: they light different points.
+    std::size_t parts = 1;    ///< Consecutive beams that make a stratum: they light different points.
+    float dealt_share = 1.0f; ///< As of ScatteringLight.
     [[nodiscard]] std::size_t stratum_count() const { return beams.size() / parts; }
 };
 

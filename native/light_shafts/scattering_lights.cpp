@@ -2,6 +2,7 @@
 #include "light_shafts/scattering_lights.hpp"
 #include "core/random.hpp"
 #include "core/sobol.hpp"
+#include "light_shafts/dealt_strata.hpp"
 #include "light_shafts/local_scatter.hpp"
 #include "light_shafts/scatter_pieces.hpp"
 #include "scene/area_light.hpp"
@@ -84,10 +85,14 @@ static void paint(const Light& light, std::span<LightSample> strata) {
 }
 
 /// The strata of a lamp with something inside it: points of a disc in each of many cells of directions.
-static void add_disc_strata(const Light& light, std::uint32_t count, std::uint32_t per_quarter, std::uint32_t seed,
-                            ScatteringLight& scattering) {
+static void add_disc_strata(const Light& light, std::span<const float> weights, std::uint32_t per_quarter,
+                            std::uint32_t seed, ScatteringLight& scattering) {
+    const auto count = static_cast<std::uint32_t>(weights.size());
     std::vector<vec2> disc;
+    std::vector<float> weight;
     for (std::uint32_t index = 0; index < count; ++index) {
+        if (weights[index] == 0.0f)
+            continue;
         // At random: turns that went with a stratum's place on the disc would be a bias.
         const auto bits = pcg4d({index, count, seed, static_cast<std::uint32_t>(scattering.index)});
         const vec3 turn(unit_float(bits[0]), unit_float(bits[1]), unit_float(bits[2]));
@@ -95,14 +100,32 @@ static void add_disc_strata(const Light& light, std::uint32_t count, std::uint32
         scattering.parts = cells.size();
         scattering.cells.insert(scattering.cells.end(), cells.begin(), cells.end());
         disc.insert(disc.end(), cells.size(), vec2(stratum(index, count, seed)));
+        weight.insert(weight.end(), cells.size(), weights[index]);
     }
     for (std::size_t part = 0; part < scattering.cells.size(); ++part) { // which no longer move
         LightSample sample =
             sample_disc(light, static_cast<std::uint32_t>(scattering.index), scattering.cells[part], disc[part]);
         sample.softening_m2 = std::max(sample.softening_m2, 0.5f * patch_m2(light, count));
-        sample.strength *= 1.0f / static_cast<float>(count);
+        sample.strength *= weight[part] / static_cast<float>(count);
         scattering.samples.push_back(sample);
     }
+}
+
+/// Those that are this picture's.
+static void deal(std::span<const float> weights, std::vector<LightSample>& samples) {
+    std::size_t kept = 0;
+    for (std::size_t index = 0; index < samples.size(); ++index)
+        if (weights[index] > 0.0f) {
+            samples[kept] = samples[index];
+            samples[kept++].strength *= weights[index];
+        }
+    samples.resize(kept);
+}
+
+/// Of the strata how many are this picture's.
+static float share_of(std::span<const float> weights) {
+    const auto taken = std::ranges::count_if(weights, [](float weight) { return weight > 0.0f; });
+    return static_cast<float>(taken) / static_cast<float>(weights.size());
 }
 
 /// See cells_per_quarter; below 0 for lights that need no cells.
@@ -151,6 +174,7 @@ static bool swallows_suns(const Media& media) {
 
 std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Media& media, const Config& config,
                                                     const StrataCounts& counts, Statistics& statistics) {
+    constexpr std::uint32_t least_strata = 4, least_directions = 16; // of a picture of several: what moves shows few
     std::vector<ScatteringLight> lights;
     constexpr const char* remedy = "the world's medium has no end and swallows it: put the fog into a box";
     const std::vector<float> weights = weights_of_discs(scene, counts);
@@ -180,8 +204,10 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
         }
         ScatteringLight& scattering = lights.emplace_back(ScatteringLight{light.name, index, {}});
         const std::uint32_t count = counts.of_light[index];
+        const std::vector<float> dealt = dealt_weights(count, least_strata, config.part, config.seed, index);
+        scattering.dealt_share = share_of(dealt);
         if (weights[index] >= 0.0f) {
-            add_disc_strata(light, count, cells_per_quarter(config.error_target, weights[index], count), config.seed,
+            add_disc_strata(light, dealt, cells_per_quarter(config.error_target, weights[index], count), config.seed,
                             scattering);
             continue;
         }
@@ -189,6 +215,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
             scattering.samples.push_back(stratum_of(light, index, sample, count, config.seed));
         if (light.kind == LightKind::Area && light.texture)
             paint(light, scattering.samples);
+        deal(dealt, scattering.samples);
     }
     const World& world = scene.world();
     if (!world.scatters_in_media() || counts.left.world)
@@ -198,14 +225,20 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
         return lights;
     }
     ScatteringLight& scattering = lights.emplace_back(ScatteringLight{world.name(), scene.lights().size(), {}});
+    const std::vector<float> dealt = dealt_weights(counts.of_world, least_directions, config.part, config.seed,
+                                                   static_cast<std::uint32_t>(scattering.index));
+    scattering.dealt_share = share_of(dealt);
     for (std::uint32_t sample = 0; sample < counts.of_world; ++sample) {
+        if (dealt[sample] == 0.0f)
+            continue;
         const World::DirectionSample direction = world.sample(vec2(stratum(sample, counts.of_world, config.seed)));
         if (!(direction.pdf_per_sr > 0.0f) || direction.radiance == Rgb(0.0f))
             continue;
         scattering.samples.push_back(
             {.is_directional = true,
              .towards_light = direction.direction,
-             .strength = direction.radiance / (direction.pdf_per_sr * static_cast<float>(counts.of_world)),
+             .strength =
+                 direction.radiance * (dealt[sample] / (direction.pdf_per_sr * static_cast<float>(counts.of_world))),
              .light_index = static_cast<std::uint32_t>(scene.lights().size())});
     }
     return lights;

@@ -14,6 +14,8 @@ struct ScatteringLight {
     /// Of a lamp with something inside it: what its samples stand in, one each; `parts` of them make a stratum.
     std::vector<DiscCell> cells = {};
     std::size_t parts = 1;
+    /// Of its strata the share that is here, see SeriesPart: their sum is the light all the same.
+    float dealt_share = 1.0f;
 };
 
 /// Point `index` of `count` that fill the unit cube evenly: the Hammersley set, shifted by the seed. The first two numbers

@@ -10,6 +10,21 @@
 #include "light_shafts/scattering_lights.hpp"
 
 namespace tyndall::light_shafts {
+/// Of the first picture of a series, for the others: strata that are dealt out are the same in all of them.
+class KeptStrata {
+public:
+    /// Those that serve a scene with so many lights in a part of a series, or what `count` finds.
+    template <typename Count>
+    const StrataCounts& counts(const SeriesPart& part, std::size_t light_count, Count&& count) {
+        if (part.first == 0 || counts_.of_light.size() != light_count)
+            counts_ = count();
+        return counts_;
+    }
+
+private:
+    StrataCounts counts_;
+};
+
 /// For `rays` that are clipped to the media. Without config.adapts_strata: the numbers of the configuration. Throws
 /// Cancelled.
 [[nodiscard]] StrataCounts count_strata(const Scene& scene, const Media& media, const View& view,

@@ -40,9 +40,9 @@ CatcherFilm catcher_film(const Scene& scene, const FrameConfig& config) {
 }
 
 /// The samples that the strata of lights are dealt out to. Air that is seen through a place on the lens has strata of its
-/// own (Lens::air_u): frames of other places see others, and those that this one leaves out nobody asks for.
+/// own (Lens::air_u), and so has a part of a series: frames beside it see others, and what this one leaves out nobody asks.
 std::uint32_t strata_round(const Camera& camera, const FrameConfig& config) {
-    return camera.lens.air_u ? config.taken_samples() : config.pixel_samples;
+    return camera.lens.air_u || !config.shafts.part.is_whole() ? config.taken_samples() : config.pixel_samples;
 }
 
 class FrameRenderer {

@@ -76,6 +76,9 @@ class ShaftConfig:
     #: they are exact, at the cost of 0.5 us per triangle where the first one comes.
     walks_maps: bool = False
     seed: int = 0
+    #: Of several pictures whose mean is shown, to which strata of lights are dealt out: which samples of all this one
+    #: has, first and end; how many there are; and how many pictures, or fewer.
+    part: tuple[int, int, int, int] = (0, 1, 1, 1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,11 +171,16 @@ def index_of(names: tuple[str, ...], name: str, what: str) -> int:
 
 
 def native_shafts(
-    config: ShaftConfig, kept_maps: _native.MapCache | None = None, room_bytes: int | None = None
+    config: ShaftConfig,
+    kept_maps: _native.MapCache | None = None,
+    room_bytes: int | None = None,
+    kept_strata: _native.KeptStrata | None = None,
 ) -> _native.ShaftConfig:
     """``room_bytes``: for maps and rows. Raises ``InvalidInput`` for a method that does not exist."""
     indices = {
         "method": index_of(METHODS, config.method, "shafts.method"),
         "grid_method": index_of(GRID_METHODS, config.grid_method, "shafts.grid_method"),
     }
-    return _native.ShaftConfig(**asdict(config) | indices, kept_maps=kept_maps, room_bytes=room_bytes)
+    return _native.ShaftConfig(
+        **asdict(config) | indices, kept_strata=kept_strata, kept_maps=kept_maps, room_bytes=room_bytes
+    )

@@ -99,6 +99,7 @@ class Session:
             self.keep_maps(kept_maps_bytes)
         self._kept_surfaces = _native.KeptSurfaces(kept_surfaces_bytes) if kept_surfaces_bytes > 0 else None
         self._kept_light_trees = _native.KeptLightTrees(_LIGHT_TREES_BYTES)
+        self._kept_strata = _native.KeptStrata()
         self._parts = NativeParts(follows_moves=follows_moves, keeps_trees=keeps_trees, builds_hastily=builds_hastily)
         self._function_textures: dict[str, _native.Texture] = {}
         self._kept_air = KeptAir()
@@ -273,7 +274,7 @@ class Session:
                 self._native_neighbours(config.data.neighbours, reports),
             ),
             light_groups=list(self._light_groups) if config.keeps_light_groups else [],
-            shafts=native_shafts(config.shafts, self._kept_maps, shafts_room_bytes),
+            shafts=native_shafts(config.shafts, self._kept_maps, shafts_room_bytes, self._kept_strata),
             transfer_functions=functions,
             reference_light=reference_light,
             heterogeneity=self._kept_air.build(config.heterogeneity, self._origin_in_world, reports),

@@ -120,6 +120,26 @@ def test_all_that_is_animated_blurs(stage: Scene, name: str) -> None:
     assert np.abs(picture - blurred(stage)).max() > 0.2 * expected.mean(), "the blur is seen"
 
 
+def test_the_strata_of_a_soft_light_are_dealt_out_to_the_moments(stage: Scene) -> None:
+    """Each moment prepares few; its picture's mean has all, with what moves in the light, and with what does not."""
+    move_occluder_in_fog(stage)
+    lamp = next(thing for thing in stage.objects if thing.type == "LIGHT")
+    lamp.data.type = "POINT"  # the stage's is a sun without a size
+    lamp.location, lamp.data.energy, lamp.data.shadow_soft_size = (0.5, 0.2, 4.0), 400.0, 0.5
+    stage.tyndall.shafts.light_samples = 64
+    stage.frame_set(FRAME)
+    blurred_picture = blurred(stage)
+    of_moments = counts(stage)["light shafts: light samples"]
+    expected = mean_of_stills(stage, middles(16, -0.5, 0.5))
+    of_still = counts(stage)["light shafts: light samples"]
+    assert of_still >= 32
+    assert of_moments <= of_still / 8
+    off = np.abs(blurred_picture - expected).max(axis=2) / expected.mean()
+    assert np.median(off) < 1e-3
+    assert np.percentile(off, 90) < 4e-3
+    assert abs(blurred_picture.mean() / expected.mean() - 1) < 2e-4
+
+
 def test_places_are_of_the_middle_and_mattes_of_all_moments(stage: Scene, tmp_path: Path) -> None:
     """A ball above a wall: Depth is a picture without blur; shares of the ball add up to its blurred cover."""
     bar = add_mesh(stage, "bar", (1, 4, 0.5), (0, 0, 1))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // As many strata as an error target asks for: enough for its error, and not many more.
 #include "light_shafts/strata_counts.hpp"
+#include "support/close_to.hpp"
 #include "support/scenes.hpp"
 #include <algorithm>
 #include <cmath>
@@ -110,5 +111,58 @@ TEST_CASE("the number of strata is the least power of two that a deviation needs
     CHECK(light_shafts::strata_for_error(1.0, 0.01, 64) == 64);
     CHECK(light_shafts::strata_for_error(1.0, 0.0, 100) == 100);
     CHECK(light_shafts::strata_for_error(0.0, 0.0, 100) == 100); // nothing is known: as many as allowed
+}
+
+TEST_CASE("the mean of a series of a scene at rest is the picture with all strata, of each kind of light") {
+    using namespace light_shafts;
+    const std::vector<ViewRay> rays = rays_from_the_side();
+    const Light ball = lamp_of(0.3f);
+    Light disc = ball;
+    disc.body = LightBody::FacingDisc;
+    disc.radius_m = 1.6f; // with slats inside it
+    Light panel{.name = "Panel", .kind = LightKind::Area, .position = {0.1f, 0.2f, 3.0f}};
+    panel.spot_axis = {0, 0, -1};
+    panel.half_size_m = {0.3f, 0.2f};
+    const Light sun{.name = "Sun",
+                    .kind = LightKind::Sun,
+                    .towards_light = glm::normalize(vec3(0.1f, 0.0f, 1.0f)),
+                    .half_angle_rad = 0.1f};
+    for (const Light& light : {ball, disc, panel, sun}) {
+        CAPTURE(light.name);
+        const auto scene = slats_under(light);
+        Progress progress;
+        std::vector<SeriesPart> parts;
+        for (std::uint32_t part = 0; part < 16; ++part)
+            parts.push_back({part, part + 1, 16, 16});
+        Config config{.method = Method::Exact, .light_samples = 32};
+        const Result whole = run(*scene, side, rays, config, progress);
+        std::vector<Rgb> mean(rays.size(), Rgb(0.0f));
+        float most_apart = 0.0f;
+        for (const SeriesPart& part : parts) {
+            config.part = part;
+            const Result result = run(*scene, side, rays, config, progress);
+            for (std::size_t ray = 0; ray < rays.size(); ++ray) {
+                mean[ray] += result.radiance[ray] / 16.0f;
+                most_apart = std::max(most_apart, std::abs(result.radiance[ray].x / whole.radiance[ray].x - 1.0f));
+            }
+        }
+        for (std::size_t ray = 0; ray < rays.size(); ++ray)
+            CHECK(mean[ray].x == close_to(whole.radiance[ray].x, 1e-4));
+        CHECK(most_apart > 0.01f); // each alone sees few strata
+    }
+}
+
+TEST_CASE("the first picture of a series counts strata for all of them, unless there are other lights") {
+    light_shafts::KeptStrata kept;
+    int counted = 0;
+    const auto count = [&] {
+        ++counted;
+        return light_shafts::StrataCounts{.of_light = {4u * static_cast<std::uint32_t>(counted), 1}};
+    };
+    const light_shafts::SeriesPart first{0, 2, 8, 4}, later{4, 6, 8, 4};
+    CHECK(kept.counts(first, 2, count).of_light.front() == 4);
+    CHECK(kept.counts(later, 2, count).of_light.front() == 4);
+    CHECK(kept.counts(first, 2, count).of_light.front() == 8); // another series
+    CHECK(kept.counts(later, 3, count).of_light.front() == 12);
 }
 } // namespace strata_counts_test
