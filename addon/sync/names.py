@@ -2,7 +2,8 @@
 """What tells datablocks apart, whether they are evaluated ones or originals.
 
 A final render reads its scene while the window goes on: an object that is deleted there lives on as the evaluated one
-of the render, whose ``original`` is gone. To ask for that crashes Blender, so nothing that renders does.
+of the render, whose ``original`` is gone. To ask for that crashes Blender: what tells objects and their collections is
+asked of evaluated ones.
 """
 
 from __future__ import annotations
