@@ -73,7 +73,7 @@ Shafts::Shafts(const Scene& scene, const Media& media, const View& view, std::sp
     }
     const auto count = [&] { return count_strata(scene, media, view, clipped, config, progress); };
     const StrataCounts counts = config.kept_strata && config.adapts_strata
-                                    ? config.kept_strata->counts(config.part, scene.lights().size(), count)
+                                    ? config.kept_strata->counts(config.part, shining_lights(scene), count)
                                     : count();
     std::vector<ScatteringLight> lights = find_scattering_lights(scene, media, config, counts, statistics);
     left_ = leave_costly(scene, media, config, counts.left, lights);

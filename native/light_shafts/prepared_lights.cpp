@@ -248,21 +248,22 @@ void PreparedLights::prepare(const Scene& scene, const View& view, std::span<con
     parallel_for(
         all_beams.size(), progress,
         [&](std::size_t index) {
-            auto& [beam, share_of_light, dealt_share, of_light, blocked_by, error_target] = all_beams[index];
-            beam->dim_by_grids(grid_loss.value_or(GridLoss()));
-            if (config.method == Method::Exact && of_light == nullptr) {
-                beam->visibility = make_exact_strip(scene, beam->sample, blocked_by->strip);
+            const BeamToPrepare& of = all_beams[index];
+            Beam& beam = *of.beam;
+            beam.dim_by_grids(grid_loss.value_or(GridLoss()));
+            if (config.method == Method::Exact && of.edits == nullptr) {
+                beam.visibility = make_exact_strip(scene, beam.sample, of.blockers->strip);
                 return;
             }
-            Config share = config_of(all_beams[index]);
-            if (of_light != nullptr) {
-                share.error_target = std::max(share.error_target, error_target);
-                beam->visibility = make_edited(all_beams[index], share, EditedMap::ShowsEdits);
+            Config share = config_of(of);
+            if (of.edits != nullptr) {
+                share.error_target = std::max(share.error_target, of.error_target);
+                beam.visibility = make_edited(of, share, EditedMap::ShowsEdits);
                 return;
             }
             MakeBeamVisibility& make = config.method == Method::Epipolar ? make_epipolar_beam : make_shadow_map_beam;
-            beam->visibility = with_outline(*beam, [&](std::span<const RaySpan> rays) {
-                return make(scene, *blocked_by->occluders, view, beam->sample, rays, blocked_by->on_demand, share,
+            beam.visibility = with_outline(beam, [&](std::span<const RaySpan> rays) {
+                return make(scene, *of.blockers->occluders, view, beam.sample, rays, of.blockers->on_demand, share,
                             progress);
             });
         },

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <functional>
 #include <numeric>
 #include <optional>
 
@@ -79,6 +78,7 @@ public:
           std::vector<ScatteringLight> lights)
         : scene_(scene), media_(media), view_(view), config_(config), lights_(std::move(lights)) {
         config_.method = config.method == Method::Exact ? Method::Exact : Method::Epipolar;
+        config_.part = {};      // to tell how much strata differ takes all of its few
         if (!config_.kept_maps) // occluders are gathered once for all rows
             config_.kept_maps = std::make_shared<MapCache>(0);
         constexpr std::size_t pilot_rays = 256;
@@ -134,6 +134,35 @@ private:
 };
 } // namespace
 
+static bool shines(const Light& light) { return light.scatters_in_media && light.strength != Rgb(0.0f); }
+
+std::vector<bool> shining_lights(const Scene& scene) {
+    std::vector<bool> shining;
+    for (const Light& light : scene.lights())
+        shining.push_back(shines(light));
+    shining.push_back(scene.world().scatters_in_media());
+    return shining;
+}
+
+const StrataCounts& KeptStrata::counts(const SeriesPart& part, const std::vector<bool>& shining,
+                                       const std::function<StrataCounts()>& count) {
+    const bool is_new = part.first == 0 || counted_.size() != shining.size();
+    if (is_new)
+        counted_.assign(shining.size(), false);
+    else if (std::ranges::equal(shining, counted_, std::less_equal()))
+        return counts_;
+    StrataCounts found = count();
+    for (std::size_t light = 0; light < found.of_light.size(); ++light)
+        if (counted_[light]) // as pictures before had it
+            found.of_light[light] = counts_.of_light[light];
+    if (counted_.back())
+        found.of_world = counts_.of_world;
+    for (std::size_t light = 0; light < shining.size(); ++light)
+        counted_[light] = counted_[light] || shining[light];
+    counts_ = std::move(found);
+    return counts_;
+}
+
 StrataCounts count_strata(const Scene& scene, const Media& media, const View& view, std::span<const ViewRay> rays,
                           const Config& config, Progress& progress) {
     constexpr std::uint32_t pilot_strata = 4, pilot_directions = 16;
@@ -143,7 +172,7 @@ StrataCounts count_strata(const Scene& scene, const Media& media, const View& vi
     for (const Light& light : scene.lights()) {
         most.of_light.push_back(has_size(light) ? config.light_samples : 1);
         few.of_light.push_back(std::min(most.of_light.back(), pilot_strata));
-        if (light.kind != LightKind::Sun && light.scatters_in_media && light.strength != Rgb(0.0f)) {
+        if (light.kind != LightKind::Sun && shines(light)) {
             usual.lamps += 1;
             usual.lamp_samples += std::min(most.of_light.back(), usual_times * pilot_strata);
         }

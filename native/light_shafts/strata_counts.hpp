@@ -8,22 +8,24 @@
 //           edited lights; where these do not agree on the number, of 128, and unless it is a draft 256.
 #pragma once
 #include "light_shafts/scattering_lights.hpp"
+#include <functional>
 
 namespace tyndall::light_shafts {
-/// Of the first picture of a series, for the others: strata that are dealt out are the same in all of them.
+/// Of the first picture of a series, for the others: strata that are dealt out are the same in all of them. A light that is
+/// dark at first is counted in the first picture that it shines in.
 class KeptStrata {
 public:
-    /// Those that serve a scene with so many lights in a part of a series, or what `count` finds.
-    template <typename Count>
-    const StrataCounts& counts(const SeriesPart& part, std::size_t light_count, Count&& count) {
-        if (part.first == 0 || counts_.of_light.size() != light_count)
-            counts_ = count();
-        return counts_;
-    }
+    /// Those that serve a part of a series in which the lights of shining_lights() shine, or what `count` finds.
+    const StrataCounts& counts(const SeriesPart& part, const std::vector<bool>& shining,
+                               const std::function<StrataCounts()>& count);
 
 private:
     StrataCounts counts_;
+    std::vector<bool> counted_;
 };
+
+/// Which lights of a scene could light the air now, the world last.
+[[nodiscard]] std::vector<bool> shining_lights(const Scene& scene);
 
 /// For `rays` that are clipped to the media. Without config.adapts_strata: the numbers of the configuration. Throws
 /// Cancelled.

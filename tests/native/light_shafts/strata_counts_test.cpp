@@ -154,15 +154,23 @@ TEST_CASE("the mean of a series of a scene at rest is the picture with all strat
 
 TEST_CASE("the first picture of a series counts strata for all of them, unless there are other lights") {
     light_shafts::KeptStrata kept;
-    int counted = 0;
-    const auto count = [&] {
-        ++counted;
-        return light_shafts::StrataCounts{.of_light = {4u * static_cast<std::uint32_t>(counted), 1}};
+    std::uint32_t counted = 0;
+    const auto counts = [&](const light_shafts::SeriesPart& part, const std::vector<bool>& shining) {
+        return kept.counts(part, shining, [&] {
+            ++counted;
+            return light_shafts::StrataCounts{.of_light = std::vector(shining.size() - 1, counted),
+                                              .of_world = 10 * counted};
+        });
     };
+    using Counts = std::vector<std::uint32_t>;
     const light_shafts::SeriesPart first{0, 2, 8, 4}, later{4, 6, 8, 4};
-    CHECK(kept.counts(first, 2, count).of_light.front() == 4);
-    CHECK(kept.counts(later, 2, count).of_light.front() == 4);
-    CHECK(kept.counts(first, 2, count).of_light.front() == 8); // another series
-    CHECK(kept.counts(later, 3, count).of_light.front() == 12);
+    CHECK(counts(first, {true, false, false}).of_light == Counts{1, 1});
+    CHECK(counts(later, {true, false, false}).of_light == Counts{1, 1});
+    CHECK(counts(later, {false, true, false}).of_light == Counts{1, 2}); // the second shines for the first time
+    CHECK(counts(later, {true, true, true}).of_light == Counts{1, 2});
+    CHECK(counts(later, {true, false, true}).of_world == 30);
+    CHECK(counted == 3);
+    CHECK(counts(first, {true, true, true}).of_light == Counts{4, 4}); // another series
+    CHECK(counts(later, {true, true, true, true}).of_light == Counts{5, 5, 5});
 }
 } // namespace strata_counts_test
