@@ -7,7 +7,8 @@
 #include <cstring>
 
 namespace tyndall::voxel_dag {
-static constexpr std::uint32_t runs_mark = 0x32415254, old_runs_mark = 0x31415254; // "TRA2", "TRA1"
+static constexpr std::uint32_t runs_mark = 0x33415254; // "TRA3"
+static constexpr std::array<std::uint32_t, 2> old_runs_marks{0x31415254, 0x32415254};
 static constexpr std::uint32_t least_log2_entries = 9, most_log2_entries = 12;
 static constexpr std::size_t packed_at_once = 4096; // packed side by side, then sifted in their order
 /// Beyond, blocks are stored whether or not they are known: the memory that knowing takes is bounded.
@@ -162,10 +163,15 @@ std::vector<std::uint8_t> Encoder::header() const {
     for (const std::uint32_t width : patterns_->widths)
         writer.number(width);
     writer.number(static_cast<std::uint32_t>(patterns_->patterns.size()));
-    BitPacker digits;
+    writer.number(patterns_->narrow_width);
+    writer.number(static_cast<std::uint32_t>(patterns_->halves.size()));
+    BitPacker patterns, halves;
     for (const run_patterns::Pattern pattern : patterns_->patterns)
-        digits.append(run_patterns::digits_of(pattern), run_patterns::digit_bits);
-    writer.packed(digits);
+        patterns.append(run_patterns::digits_of(pattern), run_patterns::digit_bits);
+    for (const std::uint32_t half : patterns_->halves)
+        halves.append(half, run_patterns::half_bits);
+    writer.packed(patterns);
+    writer.packed(halves);
     std::vector<std::uint8_t> bytes = writer.finish();
     bytes.resize(bytes.size() - bit_slack_bytes); // which comes last
     return bytes;
@@ -201,10 +207,41 @@ std::vector<std::uint8_t> encode(std::span<const std::uint32_t> values, const Co
 }
 } // namespace run_array
 
+static run_patterns::Table read_table(SectionReader& reader) {
+    using namespace run_patterns;
+    Table table;
+    for (std::uint32_t& width : table.widths) {
+        width = reader.number<std::uint32_t>("header");
+        reader.check(width <= Table::most_width, "header", "has patterns of ", width, " bits");
+    }
+    const auto pattern_count = reader.number<std::uint32_t>("header");
+    reader.check(pattern_count <= table.begins().back(), "header", "has ", pattern_count,
+                 " patterns; there are ranks for ", table.begins().back());
+    table.narrow_width = reader.number<std::uint32_t>("header");
+    reader.check(table.narrow_width < half_bits, "header", "has halves of ", table.narrow_width, " bits");
+    const auto half_total = reader.number<std::uint32_t>("header");
+    reader.check(half_total <= 1u << table.narrow_width, "header", "has ", half_total, " halves in ",
+                 table.narrow_width, " bits");
+    const auto patterns = reader.take_packed(pattern_count, digit_bits, "patterns");
+    const auto halves = reader.take_packed(half_total, half_bits, "halves");
+    for (std::uint64_t rank = 0; rank < pattern_count; ++rank) {
+        const auto digits = static_cast<std::uint32_t>(read_bits(patterns.data(), rank * digit_bits, digit_bits));
+        reader.check(are_digits(digits), "patterns", "has a number that pattern ", rank, " is not");
+        table.patterns.push_back(pattern_of(digits));
+    }
+    for (std::uint64_t rank = 0; rank < half_total; ++rank) {
+        const auto digits = static_cast<std::uint32_t>(read_bits(halves.data(), rank * half_bits, half_bits));
+        reader.check(digits < half_count, "halves", "has a number that half ", rank, " is not");
+        table.halves.push_back(digits);
+    }
+    return table;
+}
+
 RunArray::RunArray(std::span<const std::uint8_t> bytes) {
     SectionReader reader(bytes, "run array");
     const auto mark = reader.number<std::uint32_t>("header");
-    reader.check(mark != old_runs_mark, "header", "is of an older version, which is not read: make the file again");
+    reader.check(std::ranges::count(old_runs_marks, mark) == 0, "header",
+                 "is of an older version, which is not read: make the file again");
     reader.check(mark == runs_mark, "header", "does not begin with its mark");
     shape_.log2_entries = reader.number<std::uint32_t>("header");
     shape_.value_bits = reader.number<std::uint32_t>("header");
@@ -219,25 +256,10 @@ RunArray::RunArray(std::span<const std::uint8_t> bytes) {
                  block_bit_count_, " bits");
     // Blocks that are all equal need no bits of directory: without this, a damaged header could claim any number.
     reader.check(offset_bits_ > 0 || block_count_ == 0, "header", "has blocks of 1 bit");
-    run_patterns::Table table;
-    for (std::uint32_t& width : table.widths) {
-        width = reader.number<std::uint32_t>("header");
-        reader.check(width <= run_patterns::Table::most_width, "header", "has patterns of ", width, " bits");
-    }
-    const auto pattern_count = reader.number<std::uint32_t>("header");
-    const std::uint64_t rank_count = std::uint64_t{table.begins().back()} + (std::uint64_t{1} << table.widths.back());
-    reader.check(pattern_count <= rank_count, "header", "has ", pattern_count, " patterns; there are ranks for ",
-                 rank_count);
-    const auto patterns = reader.take_packed(pattern_count, run_patterns::digit_bits, "patterns");
+    const run_patterns::Table table = read_table(reader);
     const auto directory = reader.take_packed(block_count_, offset_bits_, "directory");
     const auto blocks = reader.take_packed(block_bit_count_, 1, "blocks");
     reader.finish();
-    for (std::uint64_t rank = 0; rank < pattern_count; ++rank) {
-        const std::uint64_t digits =
-            read_bits(patterns.data(), rank * run_patterns::digit_bits, run_patterns::digit_bits);
-        reader.check(digits < run_patterns::digit_count, "patterns", "has a number that pattern ", rank, " is not");
-        table.patterns.push_back(run_patterns::pattern_of(static_cast<std::uint32_t>(digits)));
-    }
     patterns_ = run_patterns::Reader(table);
     directory_ = directory.data(), blocks_ = blocks.data();
     for (std::uint64_t i = 0; i < block_count_; ++i) {

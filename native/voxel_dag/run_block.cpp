@@ -57,9 +57,10 @@ const char* Reader::find_parts(std::uint64_t begin, const Shape& shape) {
 /// Calls visit(code, bit) with the first codes, one after the other, until it returns false.
 template <class Visit>
 inline void Reader::visit_codes(std::uint32_t count, const Visit& visit) const {
+    constexpr std::uint32_t classes_at_once = 64 / run_patterns::class_bits;
     std::uint64_t bit = codes_, classes = 0;
     for (std::uint32_t i = 0; i < count; ++i, classes >>= run_patterns::class_bits) {
-        if (i % 32 == 0)
+        if (i % classes_at_once == 0)
             classes = read_word(bytes_, classes_ + std::uint64_t{i} * run_patterns::class_bits);
         const auto of_class = static_cast<std::uint32_t>(classes & low_bits(run_patterns::class_bits));
         const std::uint32_t width = patterns_.width(of_class);

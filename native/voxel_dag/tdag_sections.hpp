@@ -13,8 +13,8 @@ static_assert(std::endian::native == std::endian::little, "files are little-endi
 
 /// The ends of lines show what text mode does to it.
 inline constexpr std::array<char, 8> magic{'T', 'D', 'A', 'G', '\r', '\n', '\x1a', '\n'};
-/// 1: other records, and other numbers of materials, which run_array.cpp refuses.
-inline constexpr std::uint32_t version = 2;
+/// 1: other records. 1 and 2: other numbers of materials, which run_array.cpp refuses.
+inline constexpr std::uint32_t version = 3;
 
 struct Header {
     std::array<char, 8> magic;

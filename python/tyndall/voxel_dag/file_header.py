@@ -15,7 +15,7 @@ from typing import BinaryIO
 
 from tyndall._native import IoError, Progress
 
-_MAGIC, _VERSION = b"TDAG\r\n\x1a\n", 2
+_MAGIC, _VERSION = b"TDAG\r\n\x1a\n", 3
 _HEADER, _SECTION, _NAMES = struct.Struct("<8s4I4Q4d4I"), struct.Struct("<IIQQII"), struct.Struct("<II4dQQI")
 _MOST_SECTIONS, _LEAF_LEVEL, _MOST_LEVEL = 4096, 2, 17
 _FORMAT_BYTES, _OTHER_BYTES = 400, 24  #: Of a level, and of no section: what memory has.

@@ -166,9 +166,9 @@ TEST_CASE("what is no such file, and one of a newer version, is told apart from 
     CHECK(file.complaint().find("no .tdag file") != std::string::npos);
     write_dag(packed(full_voxels(3), Symmetry::None), place, file.path(), progress);
     std::string newer = file.bytes();
-    newer[8] = 3;
+    newer[8] = 4;
     file.replace(newer);
-    CHECK(file.complaint().find("version 3") != std::string::npos);
+    CHECK(file.complaint().find("version 4") != std::string::npos);
 }
 
 TEST_CASE("a file of version 1 gives its voxels, along rays, too, and is written again as one of today") {

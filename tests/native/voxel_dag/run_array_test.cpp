@@ -103,14 +103,18 @@ TEST_CASE("patterns of any table, and those that it has not, are read back") {
         CHECK((different == 0) == table.patterns.empty());
         const run_patterns::Writer writer(table);
         const run_patterns::Reader reader(table);
+        std::array<std::size_t, run_patterns::class_count> uses{};
         for (const run_patterns::Pattern pattern : patterns) {
             const run_patterns::Code code = writer.code_of(pattern);
+            ++uses[code.of_class];
             REQUIRE(code.value < 1u << writer.width(code.of_class));
             REQUIRE(reader.width(code.of_class) == writer.width(code.of_class));
             REQUIRE(reader.is_known(code));
             REQUIRE(reader.pattern(code) == pattern);
             REQUIRE(reader.new_count(code) == run_patterns::effect_of(pattern).new_count);
         }
+        if (different == 5000)
+            CHECK(std::ranges::count(uses, 0u) == 0);
     }
 }
 
@@ -188,34 +192,42 @@ static std::string complaint(const std::vector<std::uint8_t>& bytes) {
 
 TEST_CASE("bytes that are cut off or damaged are refused with the section's name, and so is a block of no such size") {
     const auto bytes = run_array::encode(test::random_runs(9000, 30, 90, 2), {}, {});
-    constexpr std::size_t header_bytes = 44;
-    std::uint32_t pattern_count;
-    std::memcpy(&pattern_count, &bytes[header_bytes - sizeof(pattern_count)], sizeof(pattern_count));
-    REQUIRE(pattern_count > 10);
-    const std::size_t directory = header_bytes + (run_patterns::digit_bits * pattern_count + 7) / 8;
+    constexpr std::size_t header_bytes = 56;
+    std::array<std::uint32_t, 3> counts; // patterns, a half's bits, halves
+    std::memcpy(counts.data(), &bytes[header_bytes - sizeof(counts)], sizeof(counts));
+    REQUIRE(counts[0] > 10);
+    REQUIRE(counts[2] > 10);
+    const std::size_t halves = header_bytes + (run_patterns::digit_bits * counts[0] + 7) / 8;
+    const std::size_t directory = halves + (run_patterns::half_bits * counts[2] + 7) / 8;
     const auto cut = [&](std::uint64_t size) {
         return complaint({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
     };
     CHECK(cut(header_bytes - 1).starts_with("run array: section 'header' is cut off"));
-    CHECK(cut(directory - 1).starts_with("run array: section 'patterns' is cut off"));
+    CHECK(cut(halves - 1).starts_with("run array: section 'patterns' is cut off"));
+    CHECK(cut(directory - 1).starts_with("run array: section 'halves' is cut off"));
     CHECK(cut(directory + 1).starts_with("run array: section 'directory' is cut off"));
     CHECK(cut(directory + RunArray(bytes).directory_bytes()).starts_with("run array: section 'blocks' is cut off"));
     CHECK(cut(bytes.size() - 1).starts_with("run array: section 'end' is cut off"));
     std::vector<std::uint8_t> other = bytes;
     other[1] ^= 4;
     CHECK(complaint(other) == "run array: section 'header' does not begin with its mark");
-    other = bytes;
-    other[3] = '1';
-    CHECK(complaint(other) ==
-          "run array: section 'header' is of an older version, which is not read: make the file again");
+    for (const std::uint8_t old : {'1', '2'}) {
+        other = bytes;
+        other[3] = old;
+        CHECK(complaint(other) ==
+              "run array: section 'header' is of an older version, which is not read: make the file again");
+    }
     other = bytes;
     for (std::size_t i = 0; i < 200; ++i)
         other[directory + RunArray(bytes).directory_bytes() + i] = 0xff;
     CHECK(complaint(other).starts_with("run array: section 'blocks' has block "));
     other = bytes;
     for (std::size_t i = 0; i < 4; ++i)
-        other[header_bytes + i] = 0xff; // beyond 16 digits of base 3
+        other[header_bytes + i] = 0xff; // beyond 8 digits of base 3
     CHECK(complaint(other) == "run array: section 'patterns' has a number that pattern 0 is not");
+    other = bytes;
+    other[halves] = other[halves + 1] = 0xff;
+    CHECK(complaint(other) == "run array: section 'halves' has a number that half 0 is not");
     CHECK_THROWS_AS(run_array::encode({}, {.log2_block_entries = 13}, {}), InvalidInput);
 }
 
