@@ -29,9 +29,6 @@ if TYPE_CHECKING:
     from .shutters import Shutter
 
 
-_LARGEST_ERROR_TARGET = 0.1  #: Of ShaftConfig.
-
-
 @dataclass(frozen=True, kw_only=True)
 class Exposure:
     """Samples that all see the same."""
@@ -59,23 +56,23 @@ class Exposure:
     def config(self, whole: RenderConfig) -> RenderConfig:
         """Of so many samples the noise is larger than that of all, and so is what may be left of it.
 
-        So is the error of slope rows, which are laid out anew around each place on a lens, and of lights' strata. To
-        moments of a shutter lights' strata are dealt out: together they have those of one picture.
+        Lights' strata are dealt out to moments, and to places on a lens: together they have those of one picture. So
+        may slope rows err more that are laid out anew around each place.
         """
         config = replace(whole, transfer_functions=self.look.functions, heterogeneity=self.look.heterogeneity)
         if self.is_whole:
             return config
         more = (self.pixel_samples / self.sample_count) ** 0.5
-        if self.look.camera.lens is not None and self.look.camera.lens.air_place is not None:
-            error_target = min(more * whole.shafts.error_target, _LARGEST_ERROR_TARGET)
-            seed = (whole.shafts.seed + self.first_sample) % 2**32  # for strata of lights that are others', too
-            config = replace(config, shafts=replace(whole.shafts, error_target=error_target, seed=seed))
-        else:
-            end = self.first_sample + self.sample_count
-            part = self.first_sample, end, self.pixel_samples, self.pictures
-            config = replace(config, shafts=replace(whole.shafts, part=part))
+        end = self.first_sample + self.sample_count
+        lens = self.look.camera.lens
+        shafts = replace(
+            whole.shafts,
+            part=(self.first_sample, end, self.pixel_samples, self.pictures),
+            part_has_own_view=lens is not None and lens.air_place is not None,
+        )
         return replace(
             config,
+            shafts=shafts,
             first_sample=self.first_sample,
             sample_count=self.sample_count,
             noise_threshold=min(more * whole.noise_threshold, 1.0),

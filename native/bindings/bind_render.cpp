@@ -64,7 +64,7 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
                                         std::uint32_t light_samples, std::uint32_t world_samples, bool attenuates_light,
                                         bool adapts_strata, bool shares_strata, int grid_method,
                                         float grid_error_target, bool walks_maps, std::uint32_t seed,
-                                        const std::array<std::uint32_t, 4>& part,
+                                        const std::array<std::uint32_t, 4>& part, bool part_has_own_view,
                                         const std::optional<std::shared_ptr<light_shafts::KeptStrata>>& kept_strata,
                                         const std::optional<std::shared_ptr<light_shafts::MapCache>>& kept_maps,
                                         std::optional<std::size_t> room_bytes) {
@@ -81,7 +81,11 @@ static light_shafts::Config make_shafts(int method, float error_target, std::uin
             .grid_error_target = grid_error_target,
             .walks_maps = walks_maps,
             .seed = seed,
-            .part = {.first = part[0], .end = part[1], .samples = part[2], .pictures = part[3]},
+            .part = {.first = part[0],
+                     .end = part[1],
+                     .samples = part[2],
+                     .pictures = part[3],
+                     .has_own_view = part_has_own_view},
             .kept_strata = kept_strata.value_or(nullptr),
             .kept_maps = kept_maps.value_or(nullptr),
             .room = room_bytes ? std::make_shared<MemoryRoom>(*room_bytes) : nullptr};
@@ -269,8 +273,8 @@ void bind_render(py::module_& native) {
     py::class_<light_shafts::Config>(native, "ShaftConfig")
         .def(py::init(&make_shafts), "method"_a, "error_target"_a, "resolution"_a, "light_samples"_a, "world_samples"_a,
              "attenuates_light"_a, "adapts_strata"_a, "shares_strata"_a, "grid_method"_a, "grid_error_target"_a,
-             "walks_maps"_a, "seed"_a, "part"_a, "kept_strata"_a = py::none(), "kept_maps"_a = py::none(),
-             "room_bytes"_a = py::none());
+             "walks_maps"_a, "seed"_a, "part"_a, "part_has_own_view"_a, "kept_strata"_a = py::none(),
+             "kept_maps"_a = py::none(), "room_bytes"_a = py::none());
     py::class_<render::IndirectConfig>(native, "IndirectConfig")
         .def(py::init(&make_indirect), "ambient_occlusion"_a, "ambient_distance_m"_a, "ambient_samples"_a, "bounce"_a,
              "bounce_samples"_a, "mirror_depth"_a, "refraction_depth"_a);

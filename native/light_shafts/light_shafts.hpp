@@ -56,6 +56,8 @@ enum class GridMethod : std::uint8_t {
 struct SeriesPart {
     std::uint32_t first = 0, end = 1, samples = 1; ///< It has the samples from `first` to before `end` of all of them.
     std::uint32_t pictures = 1;                    ///< How many there are; fewer if some are taken together.
+    /// Seen from a place where no other is seen from: the errors of their rows average out, as those of strata do.
+    bool has_own_view = false;
     [[nodiscard]] bool is_whole() const { return end - first == samples; }
 };
 

@@ -122,10 +122,12 @@ static void deal(std::span<const float> weights, std::vector<LightSample>& sampl
     samples.resize(kept);
 }
 
-/// Of the strata how many are this picture's.
-static float share_of(std::span<const float> weights) {
+/// Of a light with so many strata, or pictures of it, that average out, the share that is this picture's.
+static float dealt_share(std::span<const float> weights, const SeriesPart& part) {
     const auto taken = std::ranges::count_if(weights, [](float weight) { return weight > 0.0f; });
-    return static_cast<float>(taken) / static_cast<float>(weights.size());
+    const float of_strata = static_cast<float>(taken) / static_cast<float>(weights.size());
+    const float of_pictures = static_cast<float>(part.end - part.first) / static_cast<float>(part.samples);
+    return part.has_own_view ? std::min(of_strata, of_pictures) : of_strata;
 }
 
 /// See cells_per_quarter; below 0 for lights that need no cells.
@@ -205,7 +207,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
         ScatteringLight& scattering = lights.emplace_back(ScatteringLight{light.name, index, {}});
         const std::uint32_t count = counts.of_light[index];
         const std::vector<float> dealt = dealt_weights(count, least_strata, config.part, config.seed, index);
-        scattering.dealt_share = share_of(dealt);
+        scattering.dealt_share = dealt_share(dealt, config.part);
         if (weights[index] >= 0.0f) {
             add_disc_strata(light, dealt, cells_per_quarter(config.error_target, weights[index], count), config.seed,
                             scattering);
@@ -227,7 +229,7 @@ std::vector<ScatteringLight> find_scattering_lights(const Scene& scene, const Me
     ScatteringLight& scattering = lights.emplace_back(ScatteringLight{world.name(), scene.lights().size(), {}});
     const std::vector<float> dealt = dealt_weights(counts.of_world, least_directions, config.part, config.seed,
                                                    static_cast<std::uint32_t>(scattering.index));
-    scattering.dealt_share = share_of(dealt);
+    scattering.dealt_share = dealt_share(dealt, config.part);
     for (std::uint32_t sample = 0; sample < counts.of_world; ++sample) {
         if (dealt[sample] == 0.0f)
             continue;

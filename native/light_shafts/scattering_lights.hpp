@@ -14,7 +14,7 @@ struct ScatteringLight {
     /// Of a lamp with something inside it: what its samples stand in, one each; `parts` of them make a stratum.
     std::vector<DiscCell> cells = {};
     std::size_t parts = 1;
-    /// Of its strata the share that is here, see SeriesPart: their sum is the light all the same.
+    /// The share of a series' light that is here, see SeriesPart: the sum of the samples is the light all the same.
     float dealt_share = 1.0f;
 };
 

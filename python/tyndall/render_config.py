@@ -79,6 +79,8 @@ class ShaftConfig:
     #: Of several pictures whose mean is shown, to which strata of lights are dealt out: which samples of all this one
     #: has, first and end; how many there are; and how many pictures, or fewer.
     part: tuple[int, int, int, int] = (0, 1, 1, 1)
+    #: Each of these is seen from another place: the errors of their rows average out, as those of strata do.
+    part_has_own_view: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -31,18 +31,19 @@ static Light lamp_of(float radius_m) {
 
 /// A picture of the slats from the side.
 static const light_shafts::View side{.is_orthographic = false, .position = {0, -4, 0}};
-static std::vector<light_shafts::ViewRay> rays_from_the_side() {
+static std::vector<light_shafts::ViewRay> rays_from_the_side(const vec3& position = side.position) {
     std::vector<light_shafts::ViewRay> rays;
     for (int y = -8; y <= 8; ++y)
         for (int x = -8; x <= 8; ++x)
-            rays.push_back({side.position, glm::normalize(vec3(0.025f * float(x), 1, 0.025f * float(y))), 0.0f, 10.0f});
+            rays.push_back({position, glm::normalize(vec3(0.025f * float(x), 1, 0.025f * float(y))), 0.0f, 10.0f});
     return rays;
 }
 
+static double count_of(const light_shafts::Result& result, const std::string& what) {
+    return std::ranges::find(result.statistics.counts, what, [](const auto& count) { return count.name; })->value;
+}
 static double light_samples(const light_shafts::Result& result) {
-    const auto& counts = result.statistics.counts;
-    return std::ranges::find(counts, "light shafts: light samples", [](const auto& count) { return count.name; })
-        ->value;
+    return count_of(result, "light shafts: light samples");
 }
 
 TEST_CASE("the strata that an error target asks for keep it, and a smaller lamp takes fewer") {
@@ -149,6 +150,45 @@ TEST_CASE("the mean of a series of a scene at rest is the picture with all strat
         for (std::size_t ray = 0; ray < rays.size(); ++ray)
             CHECK(mean[ray].x == close_to(whole.radiance[ray].x, 1e-4));
         CHECK(most_apart > 0.01f); // each alone sees few strata
+    }
+}
+
+/// Root mean square over pixels, as a share of the mean.
+static double error_of(const std::vector<Rgb>& picture, const std::vector<Rgb>& truth) {
+    double squares = 0.0, light = 0.0;
+    for (std::size_t ray = 0; ray < truth.size(); ++ray) {
+        squares += std::pow(double{picture[ray].x} - truth[ray].x, 2.0);
+        light += truth[ray].x;
+    }
+    return std::sqrt(squares * static_cast<double>(truth.size())) / light;
+}
+
+// Seen to fail with rows as fine as those of one picture, and with rows of an error five times as large.
+TEST_CASE(
+    "pictures of a series from places of their own have coarser rows, and their mean keeps about the error target") {
+    using namespace light_shafts;
+    constexpr std::uint32_t count = 16;
+    const auto scene = slats_under(lamp_of(0.0f));
+    Progress progress;
+    for (const float target : {0.005f, 0.02f}) {
+        CAPTURE(target);
+        std::vector<Rgb> mean(rays_from_the_side().size(), Rgb(0.0f)), truth = mean;
+        double worst_of_series = 0.0;
+        for (std::uint32_t part = 0; part < count; ++part) {
+            const View view{.is_orthographic = false,
+                            .position = {0.02f * float(part), -4.0f, 0.03f * float(5 * part % count)}};
+            const std::vector<ViewRay> rays = rays_from_the_side(view.position);
+            const auto result_of = [&](const Config& config) { return run(*scene, view, rays, config, progress); };
+            const Result exact = result_of({.method = Method::Exact});
+            const Result alone = result_of({.error_target = target});
+            const Result result = result_of({.error_target = target, .part = {part, part + 1, count, count, true}});
+            CHECK(count_of(result, "slope rows: lines") < 0.7 * count_of(alone, "slope rows: lines"));
+            worst_of_series = std::max(worst_of_series, error_of(result.radiance, exact.radiance));
+            for (std::size_t ray = 0; ray < rays.size(); ++ray)
+                mean[ray] += result.radiance[ray], truth[ray] += exact.radiance[ray];
+        }
+        CHECK(error_of(mean, truth) < 1.5 * target);
+        CHECK(worst_of_series > 3.0 * target); // each alone errs more
     }
 }
 
